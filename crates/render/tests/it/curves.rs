@@ -101,7 +101,8 @@ proptest! {
             let along = x.dot(&d3) / radius;
             prop_assert!(along.abs() < 1e-7, "{along}");
             let on = (x.dot(&d1) / a).hypot(x.dot(&d2) / b);
-            prop_assert!((on - 1.0).abs() < f64::from(f32::EPSILON), "{on}");
+            // Radii in single precision, and the last step of the iterations as the section turns.
+            prop_assert!((on - 1.0).abs() < 4.0 * f64::from(f32::EPSILON), "{on}");
             prop_assert!(at.normal.dot(&ray.direction) <= 1e-6);
             prop_assert!((-1.0..=1.0).contains(&at.offset));
             prop_assert!(!tubes.hides(&ray, [0.0, hit.distance * (1.0 - 1e-12)]));
