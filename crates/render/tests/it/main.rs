@@ -1,0 +1,5 @@
+//! Tests of pictures.
+
+mod film;
+mod image;
+mod lights;
