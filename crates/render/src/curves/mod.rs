@@ -5,7 +5,7 @@ mod cubic;
 mod fiber;
 mod tube;
 
-use crate::error::check;
+use crate::check::check;
 use crate::tree::{Tree, TreeRay, Walk, rounding, short, single, walk};
 use crate::{Ray, RenderError};
 use capsules::{Capsule, CapsuleBlock, CapsuleLeaves, MovingEnds, Part};
@@ -13,8 +13,9 @@ use cubic::{Cubic, control_points};
 pub use fiber::FiberCurve;
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
+use tube::Tube;
+pub(crate) use tube::across;
 pub use tube::{CurveHit, TubePoint};
-use tube::{Tube, across};
 
 /// How a curve runs through the nodes of a fibre.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -102,6 +103,31 @@ impl Curves {
     #[must_use]
     pub fn len(&self) -> usize {
         self.starts.len() - 1
+    }
+
+    /// Number of nodes of all fibres.
+    #[must_use]
+    pub fn nodes(&self) -> usize {
+        self.control.len() - self.len() * self.phantoms()
+    }
+
+    /// Control points of a fibre that are no nodes.
+    fn phantoms(&self) -> usize {
+        match self.basis {
+            CurveBasis::Cubic => 2,
+            CurveBasis::Linear => 0,
+        }
+    }
+
+    /// What is given at the nodes of all fibres, one after another, at a point of a tube.
+    pub(crate) fn between(&self, point: &TubePoint, at_nodes: &[Vector3<f32>]) -> Vector3<f32> {
+        let first = self.starts[point.fiber] as usize - point.fiber * self.phantoms();
+        let last = self.starts[point.fiber + 1] as usize - (point.fiber + 1) * self.phantoms() - 1;
+        let whole = point.node.floor();
+        let [t] = single(&[point.node - whole]);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a place")]
+        let node = (first + whole.max(0.0) as usize).min(last - 1);
+        at_nodes[node] * (1.0 - t) + at_nodes[node + 1] * t
     }
 
     /// Whether there is no fibre.

@@ -125,7 +125,7 @@ impl Tube {
 
 /// Two unit vectors that are normal to a third and to each other (Duff et al. 2017).
 #[inline(always)]
-pub(super) fn across(n: &Vector3<f64>) -> [Vector3<f64>; 2] {
+pub(crate) fn across(n: &Vector3<f64>) -> [Vector3<f64>; 2] {
     let sign = 1.0_f64.copysign(n.z);
     let a = -1.0 / (sign + n.z);
     let b = n.x * n.y * a;

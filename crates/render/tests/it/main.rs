@@ -1,4 +1,7 @@
-//! Tests of what can be drawn with, through the public interface.
+//! Tests of what can be drawn with, and of pictures, through the public interface.
 
 mod curves;
+mod film;
+mod image;
+mod lights;
 mod wavy;
