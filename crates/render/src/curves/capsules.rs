@@ -4,7 +4,7 @@ use crate::Ray;
 use crate::tree::{Bounds, Leaf, Leaves, NONE, SignBits, TreeRay, WIDTH, single};
 use nalgebra::Vector3;
 use pulp::Simd;
-use rapunzel_lanes::Lane;
+use rapunzel_lanes::{Lane, V3};
 
 /// Most parts of a piece, as a power of two.
 const FINEST: u32 = 3;
@@ -143,39 +143,52 @@ impl CapsuleBlock {
         nearest: &mut [f32; WIDTH],
     ) -> u32 {
         let mut beyond = [0.0; WIDTH];
-        let splat = |x: f32| Lane::splat(simd, x);
         for register in 0..WIDTH / S::F32_LANES {
-            let load = |x: &[[f32; WIDTH]; 3]| [0, 1, 2].map(|d| Lane::load(simd, &x[d], register));
-            let (mut start, mut axis) = (load(&self.start), load(&self.axis));
+            let (mut start, mut axis) =
+                (load(simd, &self.start, register), load(simd, &self.axis, register));
             if let Some((ways, time)) = moving {
-                let (of_start, of_axis) = (load(&ways.start), load(&ways.axis));
-                for d in 0..3 {
-                    start[d] = of_start[d].mul_add(splat(time), start[d]);
-                    axis[d] = of_axis[d].mul_add(splat(time), axis[d]);
-                }
+                let time = Lane::splat(simd, time);
+                start = load(simd, &ways.start, register).mul_add(time, start);
+                axis = load(simd, &ways.axis, register).mul_add(time, axis);
             }
-            let from = [0, 1, 2].map(|d| start[d] - splat(ray.origin[d]));
+            let from = start - splat(simd, &ray.origin);
             let reach = Lane::load(simd, &self.reach, register);
-            let along = |v: &[Lane<S, f32>; 3], u: &[f32; 3]| {
-                v[0].mul_add(splat(u[0]), v[1].mul_add(splat(u[1]), v[2] * splat(u[2])))
-            };
             // The axis as the ray sees it, and the point of it that is nearest to the ray.
-            let [x, y] = [along(&from, &across[0]), along(&from, &across[1])];
-            let [u, v] = [along(&axis, &across[0]), along(&axis, &across[1])];
-            let (zero, one) = (splat(0.0), splat(1.0));
-            let length = u.mul_add(u, v * v).max(splat(f32::MIN_POSITIVE));
-            let at = (zero - x.mul_add(u, y * v)) / length;
+            let (right, up) = (splat(simd, &across[0]), splat(simd, &across[1]));
+            let (x, y) = (from.dot(right), from.dot(up));
+            let (u, v) = (axis.dot(right), axis.dot(up));
+            let (zero, one) = (Lane::splat(simd, 0.0), Lane::splat(simd, 1.0));
+            let length = u.mul_add(u, v * v).max(Lane::splat(simd, f32::MIN_POSITIVE));
+            let at = -x.mul_add(u, y * v) / length;
             let at = at.max(zero).min(one);
             at.store(nearest, register);
-            let [x, y] = [at.mul_add(u, x), at.mul_add(v, y)];
+            let (x, y) = (at.mul_add(u, x), at.mul_add(v, y));
             let aside = x.mul_add(x, y * y) - reach * reach;
             // The capsule begins behind the end of the ray.
-            let [z, w] = [along(&from, &ray.direction), along(&axis, &ray.direction)];
-            let behind = z.min(z + w) - reach - splat(ray.end);
-            aside.max(behind).max(zero - reach).store(&mut beyond, register);
+            let sight = splat(simd, &ray.direction);
+            let (z, w) = (from.dot(sight), axis.dot(sight));
+            let behind = z.min(z + w) - reach - Lane::splat(simd, ray.end);
+            aside.max(behind).max(-reach).store(&mut beyond, register);
         }
         bits.negative(&beyond)
     }
+}
+
+/// A register of vectors.
+#[inline(always)]
+fn load<S: Simd>(simd: S, all: &[[f32; WIDTH]; 3], register: usize) -> V3<S, f32> {
+    let [x, y, z] = all;
+    V3([
+        Lane::load(simd, x, register),
+        Lane::load(simd, y, register),
+        Lane::load(simd, z, register),
+    ])
+}
+
+/// A vector in all lanes.
+#[inline(always)]
+fn splat<S: Simd>(simd: S, v: &[f32; 3]) -> V3<S, f32> {
+    V3([Lane::splat(simd, v[0]), Lane::splat(simd, v[1]), Lane::splat(simd, v[2])])
 }
 
 /// The tubes in the leaves, for one ray.
@@ -200,8 +213,10 @@ impl Leaves for CapsuleLeaves<'_> {
     ) -> Option<CurveHit> {
         let mut at = [0.0; WIDTH];
         let block = &self.curves.blocks[leaf];
-        let [time] = single(&[self.ray.time]);
-        let moving = self.curves.moving.get(leaf).map(|ways| (ways, time));
+        let moving = match self.curves.moving.get(leaf) {
+            Some(ways) => Some((ways, single(&[self.ray.time])[0])),
+            None => None,
+        };
         let mut met = block.meet(registers, ray, &self.across, moving, &mut at);
         let mut found = None;
         while met != 0 {

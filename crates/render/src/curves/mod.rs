@@ -269,10 +269,11 @@ impl Curves {
             Cubic::new(self.basis, &moved[..count], origin)
         };
         let node = piece + usize::from(self.basis == CurveBasis::Cubic);
-        let radii = [self.radii[node], self.radii[node + 1]].map(f64::from);
-        let section = self
-            .aspect
-            .map(|aspect| ([self.axes[node].cast(), self.axes[node + 1].cast()], aspect));
-        Tube { cubic, radii, section }
+        let radii = [f64::from(self.radii[node]), f64::from(self.radii[node + 1])];
+        let (axes, aspect) = match self.aspect {
+            Some(aspect) => (Some([self.axes[node].cast(), self.axes[node + 1].cast()]), aspect),
+            None => (None, [1.0; 2]),
+        };
+        Tube { cubic, radii, axes, aspect }
     }
 }

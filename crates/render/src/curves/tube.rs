@@ -47,14 +47,16 @@ pub(super) struct Tube {
     pub(super) cubic: Cubic,
     /// Radii at both ends, m.
     pub(super) radii: [f64; 2],
-    /// First axes of the section at both ends, and its semi-axes over the radius; none if round.
-    pub(super) section: Option<([Vector3<f64>; 2], [f64; 2])>,
+    /// First axes of the section at both ends; none if it is round.
+    pub(super) axes: Option<[Vector3<f64>; 2]>,
+    /// Semi-axes of the section over the radius.
+    pub(super) aspect: [f64; 2],
 }
 
 impl Tube {
     /// The largest distance of a point of the section from the curve, m.
     pub(super) fn widest(&self) -> f64 {
-        let [a, b] = self.section.map_or([1.0; 2], |(_, aspect)| aspect);
+        let [a, b] = self.aspect;
         self.radii[0].max(self.radii[1]) * a.max(b)
     }
 
@@ -65,7 +67,7 @@ impl Tube {
 
     /// The axes of the section where the curve has the slope `slope`: d1, d2.
     #[inline(always)]
-    fn axes(
+    fn turned_axes(
         &self,
         t: f64,
         [first, last]: &[Vector3<f64>; 2],
@@ -82,8 +84,8 @@ impl Tube {
     /// The frame at `t`: d1, d2, d3; d1 is any normal of a round section.
     pub(super) fn frame(&self, t: f64) -> [Vector3<f64>; 3] {
         let d3 = self.cubic.slope(t).normalize();
-        let [d1, d2] = match &self.section {
-            Some((axes, _)) => self.axes(t, axes, &d3),
+        let [d1, d2] = match &self.axes {
+            Some(axes) => self.turned_axes(t, axes, &d3),
             None => across(&d3),
         };
         [d1, d2, d3]
@@ -102,7 +104,7 @@ impl Tube {
         let [d1, d2, d3] = frame;
         let from = distance * ray.direction - self.cubic.at(t);
         let radius = self.radius(t);
-        let [a, b] = self.section.map_or([1.0; 2], |(_, aspect)| aspect);
+        let [a, b] = self.aspect;
         let (x, y) = (from.dot(&d1) / (a * a), from.dot(&d2) / (b * b));
         let normal = (d1 * x + d2 * y).normalize();
         // Across the fibre as the ray sees it: as wide as the section is along it.
@@ -118,7 +120,7 @@ impl Tube {
     /// Coordinates of `v` across the curve, in which the section is a circle of its radius.
     #[inline(always)]
     pub(super) fn flat(&self, axes: &[Vector3<f64>; 2], v: &Vector3<f64>) -> [f64; 2] {
-        let [a, b] = self.section.map_or([1.0; 2], |(_, aspect)| aspect);
+        let [a, b] = self.aspect;
         [axes[0].dot(v) / a, axes[1].dot(v) / b]
     }
 }
@@ -154,14 +156,14 @@ pub(super) fn enter(tube: &Tube, direction: &Vector3<f64>, t: f64) -> Option<[f6
         let (squared, radius) = (slope.norm_squared(), tube.radius(t));
         let (d, q) = (direction.dot(&slope), -c.dot(&slope));
         // The cylinder: a s^2 + 2 b s + c = 0.
-        let (a, b, c0) = match &tube.section {
+        let (a, b, c0) = match &tube.axes {
             None => {
                 let inverse = 1.0 / squared;
                 let a = 1.0 - d * d * inverse;
                 (a, -c.dot(direction) - q * d * inverse, c.norm_squared() - q * q * inverse)
             }
-            Some((axes, _)) => {
-                let axes = tube.axes(t, axes, &(slope / squared.sqrt()));
+            Some(axes) => {
+                let axes = tube.turned_axes(t, axes, &(slope / squared.sqrt()));
                 let ([dx, dy], [x, y]) = (tube.flat(&axes, direction), tube.flat(&axes, &-c));
                 (dx * dx + dy * dy, x * dx + y * dy, x * x + y * y)
             }

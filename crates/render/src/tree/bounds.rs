@@ -20,10 +20,13 @@ impl Bounds {
     /// Grows to hold another box.
     #[inline(always)]
     pub(super) fn hold(&mut self, other: &Self) {
+        // Whole at once: single numbers would be stored under a mask, which the next load waits for.
+        let mut faces = [0.0; 8];
         for d in 0..8 {
             let (a, b) = (self.faces[d], other.faces[d]);
-            self.faces[d] = if b > a { b } else { a };
+            faces[d] = if b > a { b } else { a };
         }
+        self.faces = faces;
     }
 
     #[inline(always)]
@@ -50,7 +53,8 @@ impl Bounds {
     /// Half of the surface: rays meet a box in proportion to that.
     #[inline(always)]
     pub(super) fn half_area(&self) -> f32 {
-        let [x, y, z] = [0, 1, 2].map(|d| self.faces[4 + d] + self.faces[d]);
+        let [a, b, c, _, x, y, z, _] = self.faces;
+        let (x, y, z) = (a + x, b + y, c + z);
         x * y + y * z + z * x
     }
 

@@ -92,7 +92,11 @@ impl TreeRay {
 #[inline(always)]
 #[expect(clippy::cast_possible_truncation, reason = "rounding is what it is for")]
 pub(crate) fn single<const N: usize>(x: &[f64; N]) -> [f32; N] {
-    x.map(|x| x as f32)
+    let mut rounded = [0.0; N];
+    for d in 0..N {
+        rounded[d] = x[d] as f32;
+    }
+    rounded
 }
 
 /// How signs become bits.
