@@ -38,8 +38,10 @@ fn narkowicz(x: f64) -> f64 {
 fn srgb(light: f64) -> f64 {
     if light <= 0.003_130_8 {
         12.92 * light
+    } else if light < 1.0 {
+        1.055 * light.powf(1.0 / 2.4) - 0.055
     } else {
-        1.055 * light.min(1.0).powf(1.0 / 2.4) - 0.055
+        1.0
     }
 }
 
