@@ -43,8 +43,8 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// A camera without a lens at `position` (world, m) that looks at `target` (world, m), with `up`
-    /// (world, of any length) upward in its picture.
+    /// A camera without a lens at `position` (world, m) that looks at `target` (world, m), with
+    /// `up` (world, of any length) upward in its picture.
     ///
     /// # Errors
     /// [`RenderError::Parameter`] if the target is where the camera is, `up` runs along the line of
@@ -95,8 +95,8 @@ impl Camera {
     /// passes over the points.
     ///
     /// # Errors
-    /// [`RenderError::Parameter`] if there are no two different points, `up` runs along `direction`,
-    /// an angle is outside its range, or a number is not finite.
+    /// [`RenderError::Parameter`] if there are no two different points, `up` runs along
+    /// `direction`, an angle is outside its range, or a number is not finite.
     pub fn framing(
         points: &[Point3<f64>],
         direction: &Vector3<f64>,
@@ -149,9 +149,9 @@ impl Camera {
     }
 
     /// The ray of a pixel (column and row) of a picture of `size` (width and height): `within` is
-    /// its place in the pixel from the left and from the top, `lens` chooses a point of the aperture,
-    /// and `time` is passed on; all are numbers in `[0, 1)`, drawn evenly for a sharp box of the
-    /// pixel and an even shutter.
+    /// its place in the pixel from the left and from the top, `lens` chooses a point of the
+    /// aperture, and `time` is passed on; all are numbers in `[0, 1)`, drawn evenly for a sharp box
+    /// of the pixel and an even shutter.
     #[must_use]
     pub fn ray(
         &self,

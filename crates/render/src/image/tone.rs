@@ -7,8 +7,8 @@ pub enum Tone {
     #[default]
     Srgb,
     /// A film's: light is compressed toward white before the curve of sRGB, by the fit to the
-    /// reference rendering of ACES `x (2.51 x + 0.03) / (x (2.43 x + 0.59) + 0.14)` (Narkowicz 2016,
-    /// "ACES filmic tone mapping curve"); white is reached at 7.24.
+    /// reference rendering of ACES `x (2.51 x + 0.03) / (x (2.43 x + 0.59) + 0.14)` (Narkowicz
+    /// 2016, "ACES filmic tone mapping curve"); white is reached at 7.24.
     Filmic,
 }
 
