@@ -5,8 +5,8 @@ use rayon::prelude::*;
 
 /// A picture in the making: sums over the samples of each of its pixels.
 ///
-/// Rows are filled in parallel, without locks; whoever adds the samples of a pixel in one order gets
-/// the same bits on any number of threads. It takes 104 bytes a pixel.
+/// Rows are filled in parallel, without locks; whoever adds the samples of a pixel in one order
+/// gets the same bits on any number of threads. It takes 104 bytes a pixel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Film {
     pub(super) size: [u32; 2],

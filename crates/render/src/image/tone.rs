@@ -7,8 +7,8 @@ pub enum Tone {
     #[default]
     Srgb,
     /// A film's: light is compressed toward white before the curve of sRGB, by the fit to the
-    /// reference rendering of ACES `x (2.51 x + 0.03) / (x (2.43 x + 0.59) + 0.14)` (Narkowicz 2016,
-    /// "ACES filmic tone mapping curve"); white is reached at 7.24.
+    /// reference rendering of ACES `x (2.51 x + 0.03) / (x (2.43 x + 0.59) + 0.14)` (Narkowicz
+    /// 2016, "ACES filmic tone mapping curve"); white is reached at 7.24.
     Filmic,
 }
 
@@ -38,8 +38,10 @@ fn narkowicz(x: f64) -> f64 {
 fn srgb(light: f64) -> f64 {
     if light <= 0.003_130_8 {
         12.92 * light
+    } else if light < 1.0 {
+        1.055 * light.powf(1.0 / 2.4) - 0.055
     } else {
-        1.055 * light.min(1.0).powf(1.0 / 2.4) - 0.055
+        1.0
     }
 }
 

@@ -1,8 +1,8 @@
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 
-/// A direction drawn evenly from a cone around `axis`, of unit length, whose half angle has a cosine
-/// that falls short of 1 by `gap`; 2 is the whole sphere.
+/// A direction drawn evenly from a cone around `axis`, of unit length, whose half angle has a
+/// cosine that falls short of 1 by `gap`; 2 is the whole sphere.
 pub(super) fn in_cone(axis: &Vector3<f64>, gap: f64, numbers: [f64; 2]) -> Vector3<f64> {
     let short = numbers[0] * gap;
     let sine = (short * (2.0 - short)).max(0.0).sqrt();

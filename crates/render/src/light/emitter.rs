@@ -106,9 +106,10 @@ impl Emitter {
     /// A direction in which it can be seen; `None` where it cannot, or has a single one.
     pub(super) fn draw(&self, from: &Point3<f64>, random: &mut PathRandom) -> Option<Vector3<f64>> {
         match self {
-            Self::Rectangle { center, half_edges: [a, b], .. } => {
+            Self::Rectangle { center, half_edges: [a, b], normal, .. } => {
                 let [u, v] = random.pair().map(|x| 2.0 * x - 1.0);
-                (center + a * u + b * v - from).try_normalize(0.0)
+                let to = center + a * u + b * v - from;
+                if to.dot(normal) < 0.0 { to.try_normalize(0.0) } else { None }
             }
             Self::Sphere { center, radius, .. } => {
                 let to = center - from;

@@ -6,8 +6,8 @@ use nalgebra::{Point3, Vector3};
 /// All that sends light in a scene.
 ///
 /// Lights hide each other and the sky, but are not hidden by other things: whether those are in the
-/// way is for the caller to find out. Every light, and the sky, is chosen with the same chance.
-/// A density is that of a direction whichever light it was drawn for, so where a sample of one light
+/// way is for the caller to find out. Every light, and the sky, is chosen with the same chance. A
+/// density is that of a direction whichever light it was drawn for, so where a sample of one light
 /// meets another its weight is right, too. Every question costs a test of each light.
 #[derive(Debug, Clone)]
 pub struct Lights {
@@ -53,8 +53,8 @@ impl Lights {
     /// These lights and the sky, if there is one.
     ///
     /// # Errors
-    /// [`RenderError::Parameter`] if a light has no extent or direction, its angular radius is out of
-    /// range, radiance is negative, or a number is not finite.
+    /// [`RenderError::Parameter`] if a light has no extent or direction, its angular radius is out
+    /// of range, radiance is negative, or a number is not finite.
     pub fn new(lights: &[Light], sky: Option<Sky>) -> Result<Self, RenderError> {
         let emitters = lights.iter().map(Emitter::new).collect::<Result<Vec<_>, _>>()?;
         let sky = sky.map(Sky::checked).transpose()?;
@@ -62,8 +62,8 @@ impl Lights {
         Ok(Self { emitters, sky, chance: 1.0 / count.max(1) as f64 })
     }
 
-    /// Chooses a light and a direction in which it may be seen from a point (world, m); `None` where
-    /// the choice sends no light, which counts as a sample of nothing.
+    /// Chooses a light and a direction in which it may be seen from a point (world, m); `None`
+    /// where the choice sends no light, which counts as a sample of nothing.
     pub fn sample(&self, from: &Point3<f64>, random: &mut PathRandom) -> Option<LightSample> {
         #[expect(clippy::cast_possible_truncation, reason = "the number of a light")]
         let choice = (random.number() / self.chance) as usize;
@@ -99,8 +99,8 @@ impl Lights {
         })
     }
 
-    /// What is seen of the sky and of distant lights in a direction (world, of unit length) in which
-    /// nothing else is met.
+    /// What is seen of the sky and of distant lights in a direction (world, of unit length) in
+    /// which nothing else is met.
     #[must_use]
     pub fn escaped(&self, direction: &Vector3<f64>) -> LightHit {
         let mut all = NOTHING;

@@ -10,7 +10,7 @@ use std::f64::consts::{PI, TAU};
 /// Row 0 ends at the zenith, the last row at the nadir. The middle of a row lies above the `x` axis
 /// of the world (its `y` axis if `x` is upright), turned by the rotation, and columns run to the
 /// right as seen from inside. Directions are drawn in proportion to luminance, a pixel by its solid
-/// angle and even within.
+/// angle and even within, by two binary searches. It takes 20 bytes a pixel.
 #[derive(Debug, Clone)]
 pub struct SkyMap {
     width: usize,
@@ -27,12 +27,13 @@ pub struct SkyMap {
 
 impl SkyMap {
     /// A map of `width` times `height` pixels, row by row, W/(m^2 sr), with `up` (world, of any
-    /// length) upright and turned around it by `rotation`, rad, counterclockwise as seen from above.
+    /// length) upright and turned around it by `rotation`, rad, counterclockwise as seen from
+    /// above.
     ///
     /// # Errors
     /// [`RenderError::PictureSize`] if there are no pixels or more than 2^28;
-    /// [`RenderError::SkyMap`] if their number does not match, one is negative or not finite, or all
-    /// are black; [`RenderError::Parameter`] if `up` or `rotation` is none.
+    /// [`RenderError::SkyMap`] if their number does not match, one is negative or not finite, or
+    /// all are black; [`RenderError::Parameter`] if `up` or `rotation` is none.
     pub fn new(
         width: u32,
         height: u32,
@@ -125,9 +126,20 @@ fn cell(x: f64, cells: usize) -> usize {
     ((x * cells as f64) as usize).min(cells - 1)
 }
 
-/// The index whose part of a rising sum a number `u` in `[0, 1)` falls into; one that adds nothing is
-/// never chosen.
+/// The index whose part of a rising sum a number `u` in `[0, 1)` falls into; one that adds nothing
+/// is never chosen.
 fn chosen(sums: &[f64], u: f64) -> usize {
     let total = sums.last().map_or(0.0, |sum| *sum);
     sums.partition_point(|sum| *sum <= u * total).min(sums.len() - 1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_adds_nothing_is_never_chosen() {
+        let of = |u: f64| chosen(&[0.0, 1.0, 1.0, 4.0, 4.0], u);
+        assert_eq!([0.0, 0.24, 0.25, 0.999].map(of), [1, 1, 3, 3]);
+    }
 }

@@ -5,7 +5,8 @@ use crate::{PathRandom, RenderError};
 use nalgebra::Vector3;
 use std::f64::consts::TAU;
 
-/// Light that comes from infinitely far away in all directions, W/(m^2 sr), for red, green and blue.
+/// Light that comes from infinitely far away in all directions, W/(m^2 sr), for red, green and
+/// blue.
 #[derive(Debug, Clone)]
 pub enum Sky {
     /// The same radiance everywhere.
