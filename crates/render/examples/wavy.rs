@@ -9,8 +9,8 @@ mod wavy;
 use nalgebra::{Point3, Vector3};
 use rapunzel_fiber::Section;
 use rapunzel_render::{
-    Camera, CurveBasis, Curves, FiberLook, Film, Hairs, Light, Lights, PathTracer, Projection,
-    RenderScene, Sky, Tone, write_png,
+    Camera, CurveBasis, Curves, FiberLook, Film, Hairs, Light, LightSearch, Lights, PathTracer,
+    Projection, RenderScene, Sky, Tone, write_png,
 };
 use rapunzel_scattering::{ChiangField, FarField, FiberBsdf, FiberOptics, NearField};
 use std::error::Error;
@@ -27,12 +27,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let word = |k: usize, default: &str| arguments.get(k).map_or(default.to_owned(), Clone::clone);
     let (count, samples): (u32, u32) = (word(0, "1000").parse()?, word(1, "64").parse()?);
     let absorption = Vector3::new(0.06, 0.10, 0.20);
-    let optics = FiberOptics::hair(
-        absorption,
-        0.3,
-        0.3,
-        std::env::var("TILT").map_or(3.0, |t| t.parse::<f64>().unwrap_or(3.0)).to_radians(),
-    )?;
+    let optics = FiberOptics::hair(absorption, 0.3, 0.3, SCALES)?;
     let bsdf: Box<dyn FiberBsdf + Send + Sync> = match word(2, "chiang").as_str() {
         "near" => Box::new(NearField::new(optics, &Section::Circle { radius: wavy::RADIUS })?),
         "far" => Box::new(FarField::new(optics)?),
@@ -51,7 +46,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         scene: &scene,
         camera: &camera,
         seed: 1,
-        order: Some(std::env::var("ORDER").map_or(4, |t| t.parse::<u32>().unwrap_or(4))),
+        order: Some(4),
+        search: LightSearch::Both,
     };
     let mut film = Film::new([256; 2])?;
     let begun = Instant::now();

@@ -10,7 +10,6 @@ mod image;
 mod light;
 mod mesh;
 mod path;
-
 mod random;
 mod ray;
 mod scene;
@@ -26,7 +25,7 @@ pub use film::{Film, FilmKey, FilmPixel, FilmSample, FirstSurface};
 pub use image::{Tone, read_exr_map, write_exr, write_png};
 pub use light::{Light, LightHit, LightSample, Lights, Sky, SkyMap};
 pub use mesh::{FacePoint, MeshHit, TriangleMesh};
-
+pub use path::LightSearch;
 pub use random::PathRandom;
 pub use ray::Ray;
 pub use scene::{FiberLook, Hairs, RenderScene};

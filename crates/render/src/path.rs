@@ -8,16 +8,40 @@ const SURE_EVENTS: u32 = 4;
 /// Largest chance to go on.
 const GO_ON: f64 = 0.95;
 
+/// Ways in which light is looked for at every event. All give the same picture in the end, unless
+/// one cannot find a light at all.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum LightSearch {
+    /// Both, each with the share of the power heuristic (Veach and Guibas 1995).
+    #[default]
+    Both,
+    /// At a light that is chosen (next-event estimation).
+    Lights,
+    /// In the direction in which the path goes on. Lights that come from a single direction are
+    /// never found.
+    Onward,
+}
+
+impl LightSearch {
+    /// Share of a sample that was drawn with the density `own` where the other way has the density
+    /// `other`; `this` is the way by itself.
+    fn share(self, this: Self, own: f64, other: f64) -> f64 {
+        match self {
+            // As a ratio: squares of large densities would overflow.
+            Self::Both => 1.0 / (1.0 + (other / own).powi(2)),
+            _ => f64::from(u8::from(self == this)),
+        }
+    }
+}
+
 /// What a path finds that begins with a ray from a camera.
 ///
-/// An event is a scattering; a path has at most `events` of them, or as many as chance lets it. At
-/// every event light is looked for in two ways, at a light (next-event estimation) and along the
-/// direction in which the path goes on; of what either finds it keeps the share of the power
-/// heuristic (Veach and Guibas 1995), so that together they count it once.
+/// An event is a scattering; a path has at most `events` of them, or as many as chance lets it.
 pub(crate) fn trace(
     scene: &RenderScene,
     ray: Ray,
     events: Option<u32>,
+    search: LightSearch,
     random: &mut PathRandom,
 ) -> FilmSample {
     let mut ray = ray;
@@ -36,7 +60,7 @@ pub(crate) fn trace(
         if is_light {
             let LightHit { radiance: light, pdf, .. } =
                 seen.unwrap_or_else(|| scene.lights().escaped(&ray.direction));
-            let share = drawn.map_or(1.0, |drawn| power_share(drawn, pdf));
+            let share = drawn.map_or(1.0, |drawn| search.share(LightSearch::Onward, drawn, pdf));
             radiance += throughput.component_mul(&light) * share;
         }
         let (Some(hit), false) = (hit, is_light) else { break };
@@ -48,7 +72,7 @@ pub(crate) fn trace(
         if events == Some(0) {
             break;
         }
-        radiance += throughput.component_mul(&direct(scene, &vertex, ray.time, random));
+        radiance += throughput.component_mul(&direct(scene, &vertex, ray.time, search, random));
         let Some(Onward { direction, weight, pdf }) = vertex.scatterer.sample(random) else {
             break;
         };
@@ -74,6 +98,7 @@ fn direct(
     scene: &RenderScene,
     vertex: &Vertex<'_>,
     time: f64,
+    search: LightSearch,
     random: &mut PathRandom,
 ) -> Vector3<f64> {
     let Some(light) = scene.lights().sample(&vertex.position, random) else {
@@ -83,21 +108,14 @@ fn direct(
     if value.max() <= 0.0 {
         return Vector3::zeros();
     }
-    let share = if light.delta { 1.0 } else { power_share(light.pdf, drawn) };
+    let other = if light.delta { 0.0 } else { drawn };
+    let share = search.share(LightSearch::Lights, light.pdf, other);
     let ray = Ray { origin: vertex.position, direction: light.direction, time };
     let end = light.distance - vertex.clearance;
     if scene.hides(&ray, [vertex.clearance, end]) {
         return Vector3::zeros();
     }
     value.component_mul(&light.radiance) * (share / light.pdf)
-}
-
-/// Share of a sample that was drawn with the density `own` where another way has the density
-/// `other`.
-fn power_share(own: f64, other: f64) -> f64 {
-    // As a ratio: squares of large densities would overflow.
-    let ratio = other / own;
-    1.0 / (1.0 + ratio * ratio)
 }
 
 fn first_surface(vertex: &Vertex<'_>, depth: f64) -> FirstSurface {

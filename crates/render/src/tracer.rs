@@ -1,5 +1,5 @@
 use crate::path::trace;
-use crate::{Camera, Film, FilmSample, PathRandom, RenderScene};
+use crate::{Camera, Film, FilmSample, LightSearch, PathRandom, RenderScene};
 use rayon::prelude::*;
 
 /// A path tracer: a scene, seen by a camera.
@@ -13,6 +13,8 @@ pub struct PathTracer<'a> {
     /// The order of scattering: paths end after `order + 1` events. None ends them by chance, which
     /// leaves out nothing.
     pub order: Option<u32>,
+    /// How light is looked for.
+    pub search: LightSearch,
 }
 
 impl PathTracer<'_> {
@@ -25,7 +27,7 @@ impl PathTracer<'_> {
         let time = random.number();
         let ray = self.camera.ray(size, pixel, within, lens, time);
         let events = self.order.map(|order| order.saturating_add(1));
-        trace(self.scene, ray, events, &mut random)
+        trace(self.scene, ray, events, self.search, &mut random)
     }
 
     /// Adds samples to every pixel until it has had `samples`, row by row on all threads; rows that

@@ -4,4 +4,5 @@ mod curves;
 mod film;
 mod image;
 mod lights;
+mod paths;
 mod wavy;
