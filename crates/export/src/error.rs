@@ -42,12 +42,6 @@ pub enum ExportError {
         /// Description of the problem of the surface.
         what: &'static str,
     },
-    /// A wind of a preview that cannot be shown.
-    #[error("the wind {what}")]
-    Wind {
-        /// Description of the problem of the wind.
-        what: &'static str,
-    },
     /// A count that exceeds what the format can hold.
     #[error("{found} {what}, but the format holds at most {limit}; split the frame")]
     TooMany {

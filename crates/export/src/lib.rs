@@ -7,7 +7,6 @@ pub mod hair;
 pub mod obj;
 pub mod ply;
 pub mod pov;
-pub mod preview;
 pub mod pvd;
 #[cfg(test)]
 mod sample;

@@ -19,7 +19,10 @@ pub struct Placed {
 }
 
 /// Refuses vertices that are not finite, and corners that refer to no vertex.
-pub(super) fn check(surface: &Soup) -> Result<(), ExportError> {
+///
+/// # Errors
+/// [`ExportError::Surface`] says which.
+pub fn check(surface: &Soup) -> Result<(), ExportError> {
     let count = surface.vertices.len();
     let what = if !surface.vertices.iter().flat_map(|p| p.iter()).all(|x| x.is_finite()) {
         "has a vertex that is not finite; the simulation has failed"

@@ -5,9 +5,10 @@ use crate::scene::Format;
 use crate::storage::save;
 use crate::{Plan, SimError, World};
 use nalgebra::Isometry3;
-use rapunzel_export::preview::PreviewFrame;
 use rapunzel_export::surface::Placed;
 use rapunzel_export::{self as export, ExportError, Frame, usd};
+use rapunzel_studio::StudioError;
+use rapunzel_studio::sheet::{self, PreviewFrame};
 use std::fs::{self, File};
 use std::io::BufReader;
 use std::ops::Range;
@@ -190,17 +191,17 @@ impl FrameWriter {
         let shown = self.count.min(PREVIEW_FRAMES);
         let indices = || (0..shown).map(|i| i * (self.count - 1) / (shown - 1).max(1));
         save(&self.folder.join(PREVIEW), |to| {
-            let picture = |index| {
+            let picture = |index| -> Result<PreviewFrame, StudioError> {
                 let frame = export::vtp::read(&mut self.open_frame(index)?)?;
                 let supports = self.show.supports(frame.time);
-                PreviewFrame::new(frame, supports)
+                Ok(PreviewFrame::new(frame, supports)?)
             };
             let frames = indices().map(picture).collect::<Result<Vec<_>, _>>()?;
             let shown = indices().filter_map(|index| self.show.objects.file(index));
             let objects = shown.map(|file| self.read_objects(file));
             let objects = objects.collect::<Result<Vec<_>, _>>()?;
             let winds: Vec<_> = frames.iter().map(|frame| self.show.wind.at(frame.time)).collect();
-            export::preview::write(to, &frames, &objects, &winds)
+            sheet::write(to, &frames, &objects, &winds)
         })
     }
 }

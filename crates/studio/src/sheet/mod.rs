@@ -1,17 +1,16 @@
 //! A contact sheet: a run at a glance, as one PNG.
 
-mod canvas;
-mod font;
+mod paint;
 mod rose;
 #[cfg(test)]
 mod tests;
 mod view;
 
-use super::surface::{self, Placed};
-use super::{ExportError, Frame, Strand};
-use canvas::{Canvas, Color};
+use crate::StudioError;
+use crate::canvas::{Canvas, Color};
 use nalgebra::{Point2, Point3, Vector2, Vector3};
-use rapunzel_collision::field::Soup;
+use rapunzel_export::surface::{self, Placed};
+use rapunzel_export::{ExportError, Frame, Strand};
 use std::io::Write;
 use view::View;
 
@@ -36,9 +35,7 @@ const MARK_OF_FEW: f64 = 6.0;
 const PAPER: Color = [0.965, 0.96, 0.95];
 const INK: Color = [0.25, 0.25, 0.27];
 const FRAME: Color = [0.84, 0.83, 0.81];
-const FIBER: Color = [0.33, 0.19, 0.10];
-const GLOSS: Color = [0.75, 0.58, 0.38];
-const SURFACE: Color = [0.66, 0.71, 0.76];
+
 /// The data of a frame that a sheet shows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PreviewFrame {
@@ -106,8 +103,8 @@ impl PreviewFrame {
 /// view: nothing is cut off. Near fibres are dark, far ones fade; a highlight shows their
 /// direction, and marks show their supports. Behind and between the fibres are `objects`: one list
 /// for each frame, or one for all frames, or none. `winds`, velocities of the air (world), m/s, one
-/// for each frame or none, are shown by a wind rose each. Cost: linear in the pixels that fibres
-/// and objects cover.
+/// for each frame or none, are shown by a wind rose each. Cost: a ray for every pixel, and the
+/// trees of what is shown.
 ///
 /// # Errors
 /// Refuses an empty list of frames, frames without strands, invalid surfaces, objects that are
@@ -118,17 +115,18 @@ pub fn write(
     frames: &[PreviewFrame],
     objects: &[Vec<Placed>],
     winds: &[Vector3<f64>],
-) -> Result<(), ExportError> {
+) -> Result<(), StudioError> {
     objects.iter().flatten().try_for_each(|object| surface::check(&object.surface))?;
     if objects.len() > 1 && objects.len() != frames.len() {
-        return Err(ExportError::Surface { what: "is missing for some of the frames" });
+        let what = "is missing for some of the frames";
+        return Err(ExportError::Surface { what }.into());
     }
     if !winds.is_empty() && winds.len() != frames.len() {
-        return Err(ExportError::Wind { what: "is missing for some of the frames" });
+        return Err(StudioError::Wind { what: "is missing for some of the frames" });
     }
     let strongest = winds.iter().map(Vector3::norm).fold(0.0, f64::max);
     if !winds.iter().all(|wind| wind.norm().is_finite()) {
-        return Err(ExportError::Wind { what: "is not finite" });
+        return Err(StudioError::Wind { what: "is not finite" });
     }
     let lines = frames.iter().flat_map(|frame| &frame.lines);
     let points = lines.clone().flat_map(Line::points);
@@ -144,16 +142,14 @@ pub fn write(
         let index = cell * (frames.len() - 1) / (count - 1).max(1);
         let (frame, objects) = (&frames[index], objects.get(index).or(objects.first()));
         let corner = grid.corner(cell);
+        let objects = objects.map_or(&[][..], Vec::as_slice);
+        paint::paint(&mut canvas, frame, objects, &view, &grid, corner)?;
         canvas.rectangle(corner, grid.picture, FRAME);
         // One picture alone is of no certain time.
         if count > 1 {
             let caption = [corner[0] + 2.0, corner[1] - CAPTION + 2.0];
             canvas.text(caption, &format!("{:.3} s", frame.time), INK);
         }
-        for object in objects.into_iter().flatten() {
-            draw_surface(&mut canvas, &object.surface, &view, &grid, corner);
-        }
-        draw(&mut canvas, frame, &view, &grid, corner);
         mark(&mut canvas, frame, &view, &grid, corner);
         if let Some(wind) = winds.get(index).filter(|_| strongest > 0.0) {
             let corner = [corner[0] + grid.picture[0], corner[1]];
@@ -192,10 +188,10 @@ impl SheetGrid {
         [self.picture[0] + MARGIN, self.picture[1] + MARGIN + CAPTION]
     }
 
-    /// Position of a point in the picture with the given corner, pixels, and its distance, m.
-    fn place(&self, p: &Point3<f64>, view: &View, corner: [f64; 2]) -> Point3<f64> {
+    /// Position of a point in the picture with the given corner, pixels.
+    fn place(&self, p: &Point3<f64>, view: &View, corner: [f64; 2]) -> Point2<f64> {
         let [x, y] = view.project(p);
-        Point3::new(corner[0] + self.scale * x, corner[1] + self.scale * y, view.distance(p))
+        Point2::new(corner[0] + self.scale * x, corner[1] + self.scale * y)
     }
 
     /// Upper left corner of a picture, pixels.
@@ -227,35 +223,6 @@ impl SheetGrid {
     }
 }
 
-/// Draws all fibres of `frame`, far segments first.
-fn draw(
-    canvas: &mut Canvas,
-    frame: &PreviewFrame,
-    view: &View,
-    grid: &SheetGrid,
-    corner: [f64; 2],
-) {
-    let segments = |line: &'_ Line| 0..line.points.len() - 1;
-    let depth = |line: &Line, j: usize| view.depth(&line.points[j].cast());
-    let mut segments: Vec<(f64, &Line, usize)> = frame
-        .lines
-        .iter()
-        .flat_map(|line| segments(line).map(move |j| (depth(line, j), line, j)))
-        .collect();
-    segments.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let thinnest = if frame.lines.len() <= FEW { THINNEST_OF_FEW } else { THINNEST };
-    for (depth, line, j) in segments {
-        let [a, b] = [j, j + 1].map(|node| line.points[node].cast::<f64>());
-        let radius = f64::from(line.radii[j]);
-        let width = 2.0 * radius * grid.scale;
-        let color = shade(&(b - a), view, depth);
-        // What lies on a surface is in front of it, also where the axis is hidden by half.
-        let nearer = Vector3::z() * (2.0 * radius + 1.0 / grid.scale);
-        let [a, b] = [a, b].map(|p| grid.place(&p, view, corner) - nearer);
-        canvas.stroke(a, b, width.max(thinnest), color);
-    }
-}
-
 /// Draws marks at the supports of the fibres of `frame`, in front of everything.
 fn mark(
     canvas: &mut Canvas,
@@ -267,7 +234,7 @@ fn mark(
     let beyond = if frame.lines.len() <= FEW { MARK_OF_FEW } else { MARK };
     for Support { strand, point, clamped } in &frame.supports {
         let points = &frame.lines[*strand].points;
-        let place = |i: usize| grid.place(&points[i].cast(), view, corner).xy();
+        let place = |i: usize| grid.place(&points[i].cast(), view, corner);
         let neighbour = if *point == 0 { 1 } else { point - 1 };
         let (center, along) = (place(*point), place(neighbour) - place(*point));
         // Beyond both sides of a thick one.
@@ -281,35 +248,4 @@ fn mark(
             canvas.ring(center, half, INK);
         }
     }
-}
-
-/// Draws a surface, shaded by its angle to light and eye; without haze, which would show its
-/// triangles.
-fn draw_surface(
-    canvas: &mut Canvas,
-    surface: &Soup,
-    view: &View,
-    grid: &SheetGrid,
-    corner: [f64; 2],
-) {
-    for triangle in &surface.triangles {
-        let corners = triangle.map(|v| surface.vertices[v as usize]);
-        let [a, b, c] = corners;
-        let Some(normal) = (b - a).cross(&(c - a)).try_normalize(0.0) else { continue };
-        let bright = 0.45 + 0.55 * normal.dot(&view.half_way).abs();
-        let color = SURFACE.map(|x| bright * x);
-        canvas.triangle(corners.map(|p| grid.place(&p, view, corner)), color);
-    }
-}
-
-/// The colour of a fibre: Kajiya and Kay's highlight of a light at the upper left of the eye, and
-/// haze with the depth (0 near, 1 far).
-fn shade(tangent: &Vector3<f64>, view: &View, depth: f64) -> Color {
-    let along = tangent.normalize().dot(&view.half_way);
-    let gloss = if along.is_finite() { (1.0 - along * along).max(0.0).powi(12) } else { 0.0 };
-    mix(mix(FIBER, GLOSS, 0.8 * gloss), PAPER, 0.5 * depth)
-}
-
-fn mix(a: Color, b: Color, t: f64) -> Color {
-    [0, 1, 2].map(|k| a[k] + t * (b[k] - a[k]))
 }
