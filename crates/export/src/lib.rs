@@ -3,7 +3,9 @@
 pub mod data;
 mod error;
 mod frame;
+mod framing;
 pub mod hair;
+pub mod mitsuba;
 pub mod obj;
 pub mod ply;
 pub mod pov;
@@ -12,6 +14,7 @@ pub mod pvd;
 #[cfg(test)]
 mod sample;
 mod single;
+pub mod spline;
 pub mod surface;
 mod text;
 pub mod usd;
