@@ -78,7 +78,9 @@ fn picture(
     writeln!(out, "#ifndef (Included)\nglobal_settings {{ assumed_gamma 1 }}")?;
     writeln!(out, "camera {{ location {} look_at {} angle 40 }}", vector(eye), vector(middle))?;
     writeln!(out, "light_source {{ {} rgb 1 }}\nbackground {{ rgb 1 }}", vector(lamp))?;
-    writeln!(out, "object {{ Hair pigment {{ rgb <0.30, 0.17, 0.09> }} }}")?;
+    writeln!(out, "object {{\n  Hair pigment {{ rgb <0.30, 0.17, 0.09> }}")?;
+    // Light that other fibres would scatter, and what they reflect.
+    writeln!(out, "  finish {{ ambient 0.2 diffuse 0.8 specular 0.4 roughness 0.04 }}\n}}")?;
     if has_objects {
         writeln!(out, "object {{ Objects pigment {{ rgb <0.66, 0.71, 0.76> }} }}")?;
     }
