@@ -36,6 +36,18 @@ pub struct HairLook {
 }
 
 impl HairLook {
+    /// Hair of this absorption, with the refractive index, roughness and scales that are usual.
+    #[must_use]
+    pub fn usual(absorption: [f64; 3]) -> Self {
+        Self {
+            absorption,
+            refractive_index: 1.55,
+            longitudinal_roughness: 0.3,
+            azimuthal_roughness: 0.3,
+            scale_tilt: 3.0_f64.to_radians(),
+        }
+    }
+
     fn check(&self) -> Result<(), ExportError> {
         let is_rough = |roughness: f64| roughness > 0.0 && roughness <= 1.0;
         let is_tilt = |tilt: f64| tilt.abs() < FRAC_PI_2;
@@ -204,13 +216,10 @@ mod tests {
     use super::super::sample;
     use super::*;
 
-    const LOOK: HairLook = HairLook {
-        absorption: [0.5, 1.0, 2.0],
-        refractive_index: 1.55,
-        longitudinal_roughness: 0.3,
-        azimuthal_roughness: 0.25,
-        scale_tilt: std::f64::consts::PI / 60.0,
-    };
+    fn look() -> HairLook {
+        HairLook { azimuthal_roughness: 0.25, ..HairLook::usual([0.5, 1.0, 2.0]) }
+    }
+
     const FILES: SceneFiles = SceneFiles { curves: "a&b.txt", objects: "c.obj" };
 
     #[test]
@@ -255,7 +264,7 @@ mod tests {
         let (frame, objects) = (sample::frame(1), sample::objects(0.1));
         let scene = |objects: &[Placed]| {
             let mut bytes = Vec::new();
-            write(&mut bytes, &frame, objects, &LOOK, FILES).expect("memory");
+            write(&mut bytes, &frame, objects, &look(), FILES).expect("memory");
             String::from_utf8(bytes).expect("text")
         };
         let text = scene(&objects);
@@ -288,14 +297,14 @@ mod tests {
             let result = write(&mut Vec::new(), &sample::frame(0), &[], &look, FILES);
             assert!(matches!(result, Err(ExportError::Look { .. })), "{look:?}");
         };
-        refused(HairLook { absorption: [0.1, -0.1, 0.1], ..LOOK });
-        refused(HairLook { absorption: [0.1, f64::NAN, 0.1], ..LOOK });
-        refused(HairLook { refractive_index: 1.0, ..LOOK });
-        refused(HairLook { longitudinal_roughness: 0.0, ..LOOK });
-        refused(HairLook { azimuthal_roughness: 1.5, ..LOOK });
-        refused(HairLook { scale_tilt: 3.0, ..LOOK });
+        refused(HairLook { absorption: [0.1, -0.1, 0.1], ..look() });
+        refused(HairLook { absorption: [0.1, f64::NAN, 0.1], ..look() });
+        refused(HairLook { refractive_index: 1.0, ..look() });
+        refused(HairLook { longitudinal_roughness: 0.0, ..look() });
+        refused(HairLook { azimuthal_roughness: 1.5, ..look() });
+        refused(HairLook { scale_tilt: 3.0, ..look() });
         let none = Frame { index: 0, time: 0.0, strands: vec![] };
-        let written = write(&mut Vec::new(), &none, &[], &LOOK, FILES);
+        let written = write(&mut Vec::new(), &none, &[], &look(), FILES);
         assert!(matches!(written, Err(ExportError::Empty)));
         assert!(matches!(write_curves(&mut Vec::new(), &none), Err(ExportError::Empty)));
     }
