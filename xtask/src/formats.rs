@@ -7,8 +7,8 @@ const READERS: [&str; 3] = ["vtk==9.7.2", "usd-core==26.11", "mitsuba==3.9.1"];
 
 /// Writes the first frames of a simulated lock in every format to `target/formats` and lets other
 /// programs open them and compare the numbers: Python's `vtk`, `usd-core` and `mitsuba`, each
-/// skipped, with a word, where it cannot be had. They are installed into a virtual environment beside the files,
-/// unless `PYTHON` names an interpreter to take instead.
+/// skipped, with a word, where it cannot be had. They are installed into a virtual environment
+/// beside the files, unless `PYTHON` names an interpreter to take instead.
 pub(crate) fn run() -> Result<()> {
     let sh = Shell::new()?;
     sh.change_dir(root()?);
