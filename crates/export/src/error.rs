@@ -42,6 +42,12 @@ pub enum ExportError {
         /// Description of the problem of the surface.
         what: &'static str,
     },
+    /// A look that no hair has.
+    #[error("the look of hair has {what}")]
+    Look {
+        /// Description of the problem of the look.
+        what: &'static str,
+    },
     /// A count that exceeds what the format can hold.
     #[error("{found} {what}, but the format holds at most {limit}; split the frame")]
     TooMany {

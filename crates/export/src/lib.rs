@@ -3,7 +3,9 @@
 pub mod data;
 mod error;
 mod frame;
+mod framing;
 pub mod hair;
+pub mod mitsuba;
 pub mod obj;
 pub mod ply;
 pub mod pov;

@@ -1,8 +1,9 @@
 //! Simulates a swinging lock and writes it in every format into the folder that is named on the
 //! command line.
 
-use rapunzel_export::{Frame, Strand, hair, pov, pvd, usd, vtp};
+use rapunzel_export::{Frame, Strand, hair, mitsuba, pov, pvd, usd, vtp};
 use rapunzel_fiber::Fiber;
+use rapunzel_scattering::Pigments;
 use rapunzel_sim::{Plan, Scene, World};
 use rapunzel_studio::sheet;
 use std::error::Error;
@@ -74,6 +75,10 @@ fn write(folder: &Path, frames: &[Frame]) -> Result<(), Box<dyn Error>> {
     usd::root(&mut create("scene.usda")?, &timeline, &["fibers.usda"])?;
     hair::write(&mut create("frame4.hair")?, &frames[4])?;
     pov::write(&mut create("frame4.pov")?, &frames[4], &[])?;
+    mitsuba::write_curves(&mut create("frame4.txt")?, &frames[4])?;
+    let look = mitsuba::MitsubaHair::usual(Pigments::BROWN.absorption()?.into());
+    let files = mitsuba::SceneFiles { curves: "frame4.txt", objects: "" };
+    mitsuba::write(&mut create("frame4.xml")?, &frames[4], &[], &look, files)?;
     let pictures = frames.iter().cloned().map(|frame| sheet::PreviewFrame::new(frame, Vec::new()));
     let pictures = pictures.collect::<Result<Vec<_>, _>>()?;
     sheet::write(&mut create("preview.png")?, &pictures, &[], &[])?;

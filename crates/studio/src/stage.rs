@@ -10,9 +10,9 @@ use rapunzel_render::{
 /// Angle, rad, at which an edge of an object stays sharp.
 const OBJECT_CREASE: f64 = 0.6;
 /// Albedo of objects: unglazed clay.
-const CLAY: [f64; 3] = [0.58, 0.46, 0.40];
+const CLAY: [f64; 3] = [0.50, 0.36, 0.29];
 /// Albedo of the ground.
-const GROUND: [f64; 3] = [0.55, 0.55, 0.55];
+const GROUND: [f64; 3] = [0.30, 0.31, 0.33];
 /// Width of the ground over the extent of all that stands on it.
 const WIDE: f64 = 40.0;
 
@@ -163,12 +163,12 @@ fn studio_lights(low: &Point3<f64>, high: &Point3<f64>) -> Result<Lights, Studio
             radiance: Vector3::repeat(radiance),
         }
     };
-    let key = lamp(Vector3::new(-1.2, -1.8, 1.8), 0.5, 18.0);
-    let rim = lamp(Vector3::new(1.2, 1.6, 1.4), 0.3, 30.0);
+    let key = lamp(Vector3::new(-1.2, -1.8, 1.8), 0.5, 24.0);
+    let rim = lamp(Vector3::new(1.2, 1.6, 1.4), 0.3, 50.0);
     let sky = Sky::Gradient {
-        zenith: Vector3::repeat(0.75),
-        horizon: Vector3::repeat(0.6),
-        ground: Vector3::repeat(0.3),
+        zenith: Vector3::new(0.50, 0.53, 0.58),
+        horizon: Vector3::new(0.24, 0.25, 0.27),
+        ground: Vector3::new(0.24, 0.25, 0.27),
         up: Vector3::z(),
     };
     Ok(Lights::new(&[key, rim], Some(sky))?)

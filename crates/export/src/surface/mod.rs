@@ -9,6 +9,9 @@ use super::ExportError;
 use nalgebra::Isometry3;
 use rapunzel_collision::field::Soup;
 
+/// Colour of objects: red, green and blue, linear.
+pub(super) const COLOR: [f64; 3] = [0.4, 0.45, 0.5];
+
 /// An object with its pose and its surface.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Placed {

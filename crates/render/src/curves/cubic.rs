@@ -65,25 +65,3 @@ impl Cubic {
         bend / (8.0 * f64::from(parts * parts))
     }
 }
-
-/// Control points of the uniform cubic B-spline through nodes, with second derivative zero at both
-/// ends: two more than nodes. Cost: linear.
-pub(super) fn control_points(nodes: &[Point3<f64>]) -> Vec<Point3<f64>> {
-    let [first, .., last] = nodes else { return nodes.to_vec() };
-    let n = nodes.len();
-    // c[i - 1] + 4 c[i] + c[i + 1] = 6 node[i]; natural ends are control points themselves.
-    let mut control: Vec<Vector3<f64>> = vec![first.coords; n];
-    let mut ratio = vec![0.0; n];
-    for i in 1..n - 1 {
-        ratio[i] = 1.0 / (4.0 - ratio[i - 1]);
-        control[i] = (6.0 * nodes[i].coords - control[i - 1]) * ratio[i];
-    }
-    control[n - 1] = last.coords;
-    for i in (1..n - 1).rev() {
-        control[i] = control[i] - control[i + 1] * ratio[i];
-    }
-    let before = 2.0 * control[0] - control[1];
-    let behind = 2.0 * control[n - 1] - control[n - 2];
-    let all = std::iter::once(before).chain(control).chain(std::iter::once(behind));
-    all.map(Point3::from).collect()
-}
