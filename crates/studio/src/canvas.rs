@@ -1,6 +1,7 @@
 use super::font;
 use crate::StudioError;
-use nalgebra::{Point2, Rotation2, Vector2};
+use nalgebra::{Point2, Rotation2, Vector2, Vector3};
+use rapunzel_render::Film;
 use std::f64::consts::TAU;
 use std::io::Write;
 
@@ -32,6 +33,19 @@ impl Canvas {
     pub(super) fn set(&mut self, x: usize, y: usize, color: Color) {
         if x < self.width && y < self.height {
             self.pixels[y * self.width + x] = pixel(color);
+        }
+    }
+
+    /// Lays a film over, its left edge at `left`, its pixels encoded for display by `encode`.
+    pub(super) fn picture(
+        &mut self,
+        left: f64,
+        film: &Film,
+        encode: impl Fn(&Vector3<f64>) -> Color,
+    ) {
+        let (left, columns) = (clamped(left, self.width), film.size()[0] as usize);
+        for (index, pixel) in film.pixels().iter().enumerate() {
+            self.set(left + index % columns, index / columns, encode(&pixel.radiance()));
         }
     }
 

@@ -16,7 +16,7 @@ const FIELD: Color = [0.97, 0.97, 0.96];
 const LETTERS: Color = [0.2, 0.2, 0.22];
 
 /// Writes the means of a picture as a PNG, `exposure` stops brighter than it is, with a legend of
-/// the colors of fibres in its upper left corner.
+/// the colors of fibres beside it, on the left.
 ///
 /// # Errors
 /// [`StudioError::Io`] if `out` fails.
@@ -27,17 +27,16 @@ pub fn write_with_legend(
     (coloring, range): (Coloring, &ColorRange),
 ) -> Result<(), StudioError> {
     let [width, height] = film.size();
-    let mut canvas = Canvas::new([f64::from(width), f64::from(height)], FIELD);
-    let columns = width as usize;
-    for (index, pixel) in film.pixels().iter().enumerate() {
-        canvas.set(index % columns, index / columns, tone.encoded(&pixel.radiance(), exposure));
-    }
-    let Some(title) = coloring.title() else { return canvas.write(out) };
     let bar = (HEIGHT * f64::from(height)).max(4.0 * LINE);
     let labels = [1.0, 0.5, 0.0].map(|t| number(range.low + t * (range.high - range.low)));
     let of_labels = labels.iter().map(|label| Canvas::text_width(label)).fold(0.0, f64::max);
-    let wide = Canvas::text_width(title).max(BAR + 0.5 * ROOM + of_labels) + 2.0 * ROOM;
-    canvas.fill([0.0; 2], [wide, bar + 2.0 * ROOM + 1.5 * LINE], FIELD);
+    let title = coloring.title();
+    let of_title = title.map_or(0.0, Canvas::text_width);
+    let wide = of_title.max(BAR + 0.5 * ROOM + of_labels) + 2.0 * ROOM;
+    let left = if title.is_some() { wide.round() } else { 0.0 };
+    let mut canvas = Canvas::new([left + f64::from(width), f64::from(height)], FIELD);
+    canvas.picture(left, film, |radiance| tone.encoded(radiance, exposure));
+    let Some(title) = title else { return canvas.write(out) };
     canvas.text([ROOM, ROOM], title, LETTERS);
     let top = ROOM + 1.5 * LINE;
     let rows = bar.round();
