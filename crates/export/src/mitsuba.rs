@@ -1,5 +1,6 @@
 //! A scene of Mitsuba 3: an XML with a picture of fibres and objects, beside it a text with the
-//! fibres as [B-splines](rapunzel_fiber::spline), and the objects as [OBJ](crate::obj::write_objects).
+//! fibres as [B-splines](rapunzel_fiber::spline), and the objects as
+//! [OBJ](crate::obj::write_objects).
 //!
 //! The scene is in millimetres: Mitsuba moves the origin of a ray by 0.1 µm and more for every
 //! millimetre that it is away from zero, and by 90 of its units of length in a million at least.

@@ -140,7 +140,8 @@ pub(crate) struct RenderOptions {
     /// The frame of a run, from 0 [default: the last].
     #[arg(long, conflicts_with_all = ["film", "turntable"])]
     pub(crate) frame: Option<usize>,
-    /// Draw every frame of a run, into a folder of numbered pictures, and a film if ffmpeg is there.
+    /// Draw every frame of a run, into a folder of numbered pictures, and a film if ffmpeg is
+    /// there.
     #[arg(long, conflicts_with = "turntable")]
     pub(crate) film: bool,
     /// Draw so many pictures around the last frame.

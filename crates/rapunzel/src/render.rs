@@ -5,12 +5,12 @@ use crate::words::{build_stage, complain, growth_stage, say, spinner};
 use indicatif::{ProgressBar, ProgressStyle};
 use nalgebra::{Point3, Vector3};
 use rapunzel_render::{
-    Camera, CurveBasis, Film, FilmKey, LightSearch, PathTracer, Projection, RenderError, Sky, Tone,
+    Camera, CurveForm, Film, FilmKey, LightSearch, PathTracer, Projection, RenderError, Sky, Tone,
     read_exr_map, write_exr, write_png,
 };
 use rapunzel_sim::{Shown, ShownFrame, ShownStage, write_atomically};
 use rapunzel_studio::{
-    ColorRange, Coloring, HairLook, Stage, StageOptions, StudioError, write_with_legend,
+    ColorRange, Coloring, HairLook, StageOptions, StudioError, StudioStage, write_with_legend,
 };
 use std::fs::{self, File};
 use std::io::{self, BufReader};
@@ -95,14 +95,14 @@ fn pictures(options: &RenderOptions, shown: &Shown) -> Result<Vec<(usize, f64)>,
 
 /// What stands before the camera.
 struct Shot {
-    stage: Stage,
+    stage: StudioStage,
 }
 
 impl Shot {
     fn new(shown: &Shown, index: usize, options: &StageOptions) -> Result<Self, StudioError> {
         let ShownFrame { frame, objects } =
             shown.frame(index).map_err(|error| io::Error::other(error.to_string()))?;
-        Ok(Self { stage: Stage::new(&frame, &objects, options)? })
+        Ok(Self { stage: StudioStage::new(&frame, &objects, options)? })
     }
 
     fn camera(&self, options: &RenderOptions, turn: f64) -> Result<Camera, StudioError> {
@@ -129,7 +129,7 @@ fn stage_options(options: &RenderOptions, shown: &Shown) -> Result<StageOptions,
     Ok(StageOptions {
         look: HairLook { pigments: options.hair, model: options.model, ..HairLook::default() },
         coloring: None,
-        basis: if options.linear { CurveBasis::Linear } else { CurveBasis::Cubic },
+        basis: if options.linear { CurveForm::Linear } else { CurveForm::Cubic },
         ratio: shown.ratio(),
         exposure: options.shutter,
         ground: !options.no_ground,
@@ -146,7 +146,7 @@ fn sky(path: &Path) -> Result<Sky, Failure> {
 /// Fills a film; none if it was interrupted, and then what there is of it lies beside the picture.
 fn expose(
     options: &RenderOptions,
-    stage: &Stage,
+    stage: &StudioStage,
     camera: &Camera,
     file: &Path,
     json: bool,

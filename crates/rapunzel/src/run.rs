@@ -202,8 +202,8 @@ pub(crate) fn start_threads(threads: Option<u16>) -> Result<(), Failure> {
 }
 
 /// Sets what an interrupt does: the first asks for a checkpoint, and leaves at once if a step does
-/// not end soon, saying `unheard`; so does the second. The run then is as a kill leaves it, and goes
-/// on from its last frame.
+/// not end soon, saying `unheard`; so does the second. The run then is as a kill leaves it, and
+/// goes on from its last frame.
 pub(crate) fn catch_interrupts(unheard: &'static str) -> Result<(), Failure> {
     ctrlc::set_handler(move || {
         let asked_before = CANCEL.ask();

@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 /// Frames that can be drawn.
 #[derive(Debug)]
 pub struct Shown {
-    source: Source,
+    source: ShownSource,
     /// Number of frames.
     count: usize,
     /// Ratio of the second semi-axis of the sections of all fibres to the first; none if they are
@@ -25,7 +25,7 @@ pub struct Shown {
 }
 
 #[derive(Debug)]
-enum Source {
+enum ShownSource {
     /// The folder of a run.
     Run(PathBuf),
     /// What there is one of.
@@ -60,7 +60,7 @@ impl Shown {
     /// RON that is neither a scene nor a style the error is that of the scene.
     pub fn open(path: &Path, at: &dyn Fn(ShownStage)) -> Result<Self, SimError> {
         let still = |frame: Frame, objects| Self {
-            source: Source::Still(Box::new(ShownFrame { frame, objects })),
+            source: ShownSource::Still(Box::new(ShownFrame { frame, objects })),
             count: 1,
             ratio: None,
         };
@@ -102,7 +102,7 @@ impl Shown {
             let scene = read_text(&path.join(SCENE)).ok();
             let scene = scene.and_then(|text| Scene::from_ron(&text).ok());
             let ratio = scene.as_ref().and_then(ratio);
-            return Ok(Self { source: Source::Run(path.to_owned()), count, ratio });
+            return Ok(Self { source: ShownSource::Run(path.to_owned()), count, ratio });
         }
         let hairs = path.join(style::HAIRS[0]);
         if !hairs.is_file() {
@@ -121,7 +121,7 @@ impl Shown {
             object.surface.vertices.iter_mut().for_each(upright);
             object.pose = Isometry3::identity();
         }
-        let source = Source::Still(Box::new(ShownFrame { frame, objects }));
+        let source = ShownSource::Still(Box::new(ShownFrame { frame, objects }));
         Ok(Self { source, count: 1, ratio: None })
     }
 
@@ -144,8 +144,8 @@ impl Shown {
     /// [`SimError::Export`] and [`SimError::Io`] for files that cannot be read.
     pub fn frame(&self, index: usize) -> Result<ShownFrame, SimError> {
         let folder = match &self.source {
-            Source::Still(still) => return Ok(ShownFrame::clone(still)),
-            Source::Run(folder) => folder,
+            ShownSource::Still(still) => return Ok(ShownFrame::clone(still)),
+            ShownSource::Run(folder) => folder,
         };
         let index = index.min(self.count - 1);
         let frame = read_frame(&folder.join(frame_name(index)))?;

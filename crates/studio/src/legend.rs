@@ -8,7 +8,7 @@ use std::io::Write;
 const HEIGHT: f64 = 0.3;
 /// Width of the bar, and room around all, pixels.
 const BAR: f64 = 14.0;
-const ROOM: f64 = 12.0;
+const SPACE: f64 = 12.0;
 /// Height of a line of text, pixels.
 const LINE: f64 = 18.0;
 /// Bottom and top of the field behind the legend, and ink on it.
@@ -32,24 +32,24 @@ pub fn write_with_legend(
     let of_labels = labels.iter().map(|label| Canvas::text_width(label)).fold(0.0, f64::max);
     let title = coloring.title();
     let of_title = title.map_or(0.0, Canvas::text_width);
-    let wide = of_title.max(BAR + 0.5 * ROOM + of_labels) + 2.0 * ROOM;
+    let wide = of_title.max(BAR + 0.5 * SPACE + of_labels) + 2.0 * SPACE;
     let left = if title.is_some() { wide.round() } else { 0.0 };
     let mut canvas = Canvas::new([left + f64::from(width), f64::from(height)], FIELD);
     canvas.picture(left, film, |radiance| tone.encoded(radiance, exposure));
     let Some(title) = title else { return canvas.write(out) };
-    canvas.text([ROOM, ROOM], title, LETTERS);
-    let top = ROOM + 1.5 * LINE;
+    canvas.text([SPACE, SPACE], title, LETTERS);
+    let top = SPACE + 1.5 * LINE;
     let rows = bar.round();
     let mut row = 0.0;
     while row < rows {
         let linear = viridis(1.0 - row / (rows - 1.0));
         // As the file shows it: what is seen of fibres has light and shade besides.
         let color = Tone::Srgb.encoded(&linear, 0.0);
-        canvas.fill([ROOM, top + row], [BAR, 1.0], color);
+        canvas.fill([SPACE, top + row], [BAR, 1.0], color);
         row += 1.0;
     }
     for (label, place) in labels.iter().zip([0.0, 0.5, 1.0]) {
-        let at = [ROOM + BAR + 0.5 * ROOM, top + place * (bar - 14.0)];
+        let at = [SPACE + BAR + 0.5 * SPACE, top + place * (bar - 14.0)];
         canvas.text(at, label, LETTERS);
     }
     canvas.write(out)

@@ -3,7 +3,7 @@ use nalgebra::{Point3, Vector3};
 use rapunzel_export::surface::{self, Placed};
 use rapunzel_export::{Frame, Strand};
 use rapunzel_render::{
-    Camera, CurveBasis, Curves, FiberCurve, FiberLook, Hairs, Light, Lights, RenderScene, Sky,
+    Camera, CurveForm, Curves, FiberCurve, FiberLook, Hairs, Light, Lights, RenderScene, Sky,
     TriangleMesh,
 };
 
@@ -24,7 +24,7 @@ pub struct StageOptions {
     /// A quantity that fibres show instead, and the range of its colors.
     pub coloring: Option<(Coloring, ColorRange)>,
     /// How fibres run through their nodes.
-    pub basis: CurveBasis,
+    pub basis: CurveForm,
     /// Ratio of the second semi-axis of the sections to the first; none if they are round.
     pub ratio: Option<f64>,
     /// Time of exposure, s, about the time of the frame.
@@ -40,7 +40,7 @@ impl Default for StageOptions {
         Self {
             look: HairLook::default(),
             coloring: None,
-            basis: CurveBasis::Cubic,
+            basis: CurveForm::Cubic,
             ratio: None,
             exposure: 0.0,
             ground: true,
@@ -50,14 +50,14 @@ impl Default for StageOptions {
 }
 
 /// A frame, set up for a picture: z is up.
-pub struct Stage {
+pub struct StudioStage {
     /// All that can be seen.
     pub scene: RenderScene,
     /// Points that a camera should have in its picture (world), m.
     pub points: Vec<Point3<f64>>,
 }
 
-impl Stage {
+impl StudioStage {
     /// Sets up the fibres and the objects of a frame.
     ///
     /// # Errors
@@ -110,8 +110,8 @@ impl Stage {
     }
 
     /// A camera that has all in its picture, `azimuth` to the right of the front (the side of
-    /// negative y) and `elevation` above the level, rad; `field_of_view`, rad, is that of the width,
-    /// and `aspect` the ratio of width to height.
+    /// negative y) and `elevation` above the level, rad; `field_of_view`, rad, is that of the
+    /// width, and `aspect` the ratio of width to height.
     ///
     /// # Errors
     /// [`StudioError::Render`] if an angle is out of range, or all is one point.

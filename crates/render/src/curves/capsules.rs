@@ -1,7 +1,5 @@
-use super::tube::{Tube, enter};
-use super::{CurveHit, Curves};
-use crate::Ray;
-use crate::tree::{Bounds, Leaf, Leaves, NONE, SignBits, TreeRay, WIDTH, single};
+use super::tube::Tube;
+use crate::tree::{LeafThings, NONE, RayBox, SignBits, TreeRay, WIDTH, single};
 use nalgebra::Vector3;
 use pulp::Simd;
 use rapunzel_lanes::{Lane, V3};
@@ -13,31 +11,27 @@ const SAGITTA: f64 = 4.0;
 
 /// A part of a piece: piece, place, and number of parts, in one number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Part(u32);
+pub(super) struct CurvePart(u32);
 
-impl Part {
+impl CurvePart {
     /// Pieces that can be told apart.
     pub(super) const PIECES: usize = 1 << 27;
 
     /// All parts of the piece `piece`, a tube.
     pub(super) fn all(piece: u32, tube: &Tube) -> impl Iterator<Item = Self> + use<> {
-        let fine = |level: &u32| tube.cubic.sagitta(1 << level) <= SAGITTA * tube.widest();
+        let fine = |level: &u32| tube.curve.sagitta(1 << level) <= SAGITTA * tube.widest();
         let level = (0..FINEST).find(fine).unwrap_or(FINEST);
         (0..1 << level).map(move |part| Self(piece << 5 | part << 2 | level))
     }
 
-    /// The piece as it is named.
-    fn first(self) -> u32 {
+    /// The piece, by its first control point.
+    pub(super) fn piece(self) -> u32 {
         self.0 >> 5
-    }
-
-    pub(super) fn piece(self) -> usize {
-        self.first() as usize
     }
 
     /// Where it begins on its piece, and how long it is.
     #[inline(always)]
-    fn range(self) -> [f64; 2] {
+    pub(super) fn range(self) -> [f64; 2] {
         let length = 1.0 / f64::from(1_u32 << (self.0 & 3));
         [f64::from(self.0 >> 2 & 7) * length, length]
     }
@@ -45,8 +39,8 @@ impl Part {
 
 /// The straight capsule around a part.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Capsule {
-    pub(super) part: Part,
+pub(super) struct CurveCapsule {
+    pub(super) part: CurvePart,
     /// Ends of the axis when the exposure begins, from the middle of the tree, m.
     ends: [Vector3<f64>; 2],
     /// Their ways, m.
@@ -54,30 +48,31 @@ pub(super) struct Capsule {
     reach: f64,
 }
 
-impl Capsule {
+impl CurveCapsule {
     /// The capsule that holds a part of a tube at all times between two, at which it is given, with
     /// `spare`, m, for roundings.
-    pub(super) fn new(part: Part, tubes: &[Tube; 2], spare: f64) -> Self {
+    pub(super) fn new(part: CurvePart, tubes: &[Tube; 2], spare: f64) -> Self {
         let [start, length] = part.range();
         let [ends, then] =
-            [0, 1].map(|k: usize| [start, start + length].map(|t| tubes[k].cubic.at(t)));
-        let of = |tube: &Tube| tube.widest() + tube.cubic.sagitta(1 << (part.0 & 3));
+            [0, 1].map(|k: usize| [start, start + length].map(|t| tubes[k].curve.at(t)));
+        let of = |tube: &Tube| tube.widest() + tube.curve.sagitta(1 << (part.0 & 3));
         let reach = of(&tubes[0]).max(of(&tubes[1])) + spare;
         Self { part, ends, ways: [then[0] - ends[0], then[1] - ends[1]], reach }
     }
 
     /// The box around it at all times.
-    pub(super) fn bounds(&self) -> Bounds {
+    pub(super) fn bounds(&self) -> RayBox {
         let [a, b] = &self.ends;
         let [c, d] = [a + self.ways[0], b + self.ways[1]];
         let reach = Vector3::repeat(self.reach);
         let low = a.inf(b).inf(&c).inf(&d) - reach;
         let high = a.sup(b).sup(&c).sup(&d) + reach;
-        Bounds::new(single(&low.into()), single(&high.into()))
+        RayBox::new(single(&low.into()), single(&high.into()))
     }
 }
 
-/// Ways of the capsules of a block: of their first ends, and by how much those of the others differ.
+/// Ways of the capsules of a block: of their first ends, and by how much those of the others
+/// differ.
 #[derive(Debug, Clone, Copy)]
 #[repr(align(32))]
 pub(super) struct MovingEnds {
@@ -87,7 +82,7 @@ pub(super) struct MovingEnds {
 
 impl MovingEnds {
     /// The ways in a leaf.
-    pub(super) fn new(leaf: &Leaf, capsule: impl Fn(u32) -> Capsule) -> Self {
+    pub(super) fn new(leaf: &LeafThings, capsule: impl Fn(u32) -> CurveCapsule) -> Self {
         let mut ways = Self { start: [[0.0; WIDTH]; 3], axis: [[0.0; WIDTH]; 3] };
         for (lane, &index) in leaf.iter().enumerate().filter(|(_, index)| **index != NONE) {
             let [a, b] = capsule(index).ways;
@@ -109,17 +104,17 @@ pub(super) struct CapsuleBlock {
     axis: [[f32; WIDTH]; 3],
     /// Negative where there is none.
     reach: [f32; WIDTH],
-    parts: [Part; WIDTH],
+    parts: [CurvePart; WIDTH],
 }
 
 impl CapsuleBlock {
     /// The capsules of a leaf.
-    pub(super) fn new(leaf: &Leaf, capsule: impl Fn(u32) -> Capsule) -> Self {
+    pub(super) fn new(leaf: &LeafThings, capsule: impl Fn(u32) -> CurveCapsule) -> Self {
         let zeros = [[0.0; WIDTH]; 3];
-        let parts = [Part(0); WIDTH];
+        let parts = [CurvePart(0); WIDTH];
         let mut block = Self { start: zeros, axis: zeros, reach: [-1.0; WIDTH], parts };
         for (lane, &index) in leaf.iter().enumerate().filter(|(_, index)| **index != NONE) {
-            let Capsule { part, ends: [a, b], reach, .. } = capsule(index);
+            let CurveCapsule { part, ends: [a, b], reach, .. } = capsule(index);
             let (start, axis) = (single(&a.into()), single(&(b - a).into()));
             for d in 0..3 {
                 block.start[d][lane] = start[d];
@@ -131,10 +126,15 @@ impl CapsuleBlock {
         block
     }
 
+    /// The part in a lane.
+    pub(super) fn part(&self, lane: usize) -> CurvePart {
+        self.parts[lane]
+    }
+
     /// Lanes whose capsules the ray comes as near as their reach before its end, as bits, and where
     /// on the axes it is nearest, in `[0, 1]`.
     #[inline(always)]
-    fn meet<S: Simd, B: SignBits>(
+    pub(super) fn meet<S: Simd, B: SignBits>(
         &self,
         (simd, bits): (S, B),
         ray: &TreeRay,
@@ -189,52 +189,4 @@ fn load<S: Simd>(simd: S, all: &[[f32; WIDTH]; 3], register: usize) -> V3<S, f32
 #[inline(always)]
 fn splat<S: Simd>(simd: S, v: &[f32; 3]) -> V3<S, f32> {
     V3([Lane::splat(simd, v[0]), Lane::splat(simd, v[1]), Lane::splat(simd, v[2])])
-}
-
-/// The tubes in the leaves, for one ray.
-pub(super) struct CapsuleLeaves<'a> {
-    pub(super) curves: &'a Curves,
-    pub(super) ray: &'a Ray,
-    /// Where the ray begins and ends, m.
-    pub(super) range: [f64; 2],
-    /// Two directions across the ray.
-    pub(super) across: [[f32; 3]; 2],
-}
-
-impl Leaves for CapsuleLeaves<'_> {
-    type Found = CurveHit;
-
-    #[inline(always)]
-    fn meet<S: Simd, B: SignBits>(
-        &mut self,
-        registers: (S, B),
-        leaf: usize,
-        ray: &mut TreeRay,
-    ) -> Option<CurveHit> {
-        let mut at = [0.0; WIDTH];
-        let block = &self.curves.blocks[leaf];
-        let moving = match self.curves.moving.get(leaf) {
-            Some(ways) => Some((ways, single(&[self.ray.time])[0])),
-            None => None,
-        };
-        let mut met = block.meet(registers, ray, &self.across, moving, &mut at);
-        let mut found = None;
-        while met != 0 {
-            let lane = met.trailing_zeros() as usize % WIDTH;
-            met &= met - 1;
-            let part = block.parts[lane];
-            let [start, length] = part.range();
-            let tube = self.curves.tube(part.piece(), self.ray.time, &self.ray.origin);
-            let guess = start + f64::from(at[lane]) * length;
-            if let Some([distance, parameter]) = enter(&tube, &self.ray.direction, guess) {
-                let [first, last] = self.range;
-                if distance > first && distance < last {
-                    self.range[1] = distance;
-                    ray.shorten(distance);
-                    found = Some(CurveHit { distance, piece: part.first(), parameter });
-                }
-            }
-        }
-        found
-    }
 }

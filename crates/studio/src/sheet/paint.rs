@@ -1,12 +1,21 @@
+use super::frame::{Line, PreviewFrame};
+use super::grid::SheetGrid;
 use super::view::View;
-use super::{FEW, PAPER, PreviewFrame, SheetGrid, THINNEST, THINNEST_OF_FEW};
 use crate::StudioError;
 use crate::canvas::{Canvas, Color};
 use nalgebra::Vector3;
 use rapunzel_export::surface::Placed;
-use rapunzel_render::{CurveBasis, Curves, FiberCurve, Ray, TriangleMesh};
+use rapunzel_render::{CurveForm, Curves, FiberCurve, Ray, TriangleMesh};
 use rayon::prelude::*;
 
+/// Width of the thinnest line, pixels: thinner fibres would break up.
+const THINNEST: f64 = 1.3;
+/// Width of the thinnest line where fibres are few and need not leave room for each other, pixels.
+const THINNEST_OF_FEW: f64 = 2.2;
+/// Number of fibres that are few.
+pub(super) const FEW: usize = 10;
+
+pub(super) const PAPER: Color = [0.965, 0.96, 0.95];
 const FIBER: Color = [0.33, 0.19, 0.10];
 const GLOSS: Color = [0.75, 0.58, 0.38];
 const SURFACE: Color = [0.66, 0.71, 0.76];
@@ -25,14 +34,14 @@ pub(super) fn paint(
 ) -> Result<(), StudioError> {
     let thinnest = if frame.lines.len() <= FEW { THINNEST_OF_FEW } else { THINNEST };
     let least = 0.5 * thinnest / grid.scale;
-    let fiber = |line: &super::Line| FiberCurve {
+    let fiber = |line: &Line| FiberCurve {
         nodes: line.points().collect(),
         radii: line.radii.iter().map(|r| f64::from(*r).max(least)).collect(),
         axes: Vec::new(),
         ways: Vec::new(),
     };
     let fibers: Vec<_> = frame.lines.iter().map(fiber).collect();
-    let curves = Curves::new(CurveBasis::Linear, None, &fibers)?;
+    let curves = Curves::new(CurveForm::Linear, None, &fibers)?;
     let mesh = |object: &Placed| {
         let surface = &object.surface;
         TriangleMesh::new(surface.vertices.clone(), surface.triangles.clone(), CREASE)

@@ -1,26 +1,34 @@
-use super::CurveBasis;
 use nalgebra::{Point3, Vector3};
+
+/// How a curve runs through the nodes of a fibre.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CurveForm {
+    /// A cubic spline with continuous curvature, a uniform B-spline.
+    Cubic,
+    /// Straight from node to node; the tubes of neighbours are open at a bend.
+    Linear,
+}
 
 /// A piece of a curve: `((c3 t + c2) t + c1) t + c0` for `t` in `[0, 1]`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Cubic {
+pub(super) struct CurvePiece {
     c: [Vector3<f64>; 4],
 }
 
-impl Cubic {
+impl CurvePiece {
     /// Control points of a piece.
-    pub(super) fn points(basis: CurveBasis) -> usize {
-        match basis {
-            CurveBasis::Cubic => 4,
-            CurveBasis::Linear => 2,
+    pub(super) fn points(kind: CurveForm) -> usize {
+        match kind {
+            CurveForm::Cubic => 4,
+            CurveForm::Linear => 2,
         }
     }
 
     /// A piece by its control points, from `origin`: as many as [`Self::points`].
     #[inline(always)]
-    pub(super) fn new(basis: CurveBasis, control: &[Point3<f64>], origin: &Point3<f64>) -> Self {
+    pub(super) fn new(kind: CurveForm, control: &[Point3<f64>], origin: &Point3<f64>) -> Self {
         match *control {
-            [a, b, c, d] if basis == CurveBasis::Cubic => {
+            [a, b, c, d] if kind == CurveForm::Cubic => {
                 let (a, b, c, d) = (a - origin, b - origin, c - origin, d - origin);
                 // The uniform B-spline by powers.
                 let c0 = (a + 4.0 * b + c) / 6.0;
