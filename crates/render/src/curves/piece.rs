@@ -66,6 +66,12 @@ impl CurvePiece {
         self.c[3] * (6.0 * t) + self.c[2] * 2.0
     }
 
+    /// How far the curve is at most, m, from the parabola through the ends and the middle of a part
+    /// of the length `part`: the third derivative times the maximum of `a (a - 1/2) (a - 1) / 6`.
+    pub(super) fn off_parabola(&self, part: f64) -> f64 {
+        0.008_02 * 6.0 * self.c[3].norm() * part.powi(3)
+    }
+
     /// How far the curve is from its chords, m, if it is cut into so many equal parts: at most an
     /// eighth of the second derivative, which is largest at an end.
     pub(super) fn sagitta(&self, parts: u32) -> f64 {
