@@ -72,21 +72,27 @@ impl Curves {
         // What is flat still has an inside.
         let extent = (0.5 * (high - low).amax()).max(f64::MIN_POSITIVE) * (1.0 + 1e-6);
 
-        let of_fiber = |[first, end]: [u32; 2]| {
-            let tube = |piece: u32| store.tube(piece as usize, 0.0, &middle);
-            (first..end).flat_map(move |piece| CurvePart::all(piece, &tube(piece)))
-        };
-        let parts: Vec<CurvePart> = store.pieces().flat_map(of_fiber).collect();
         let spare = rounding(extent);
-        let capsule = |part: CurvePart| {
-            let tube = |time| store.tube(part.piece() as usize, time, &middle);
+        // The piece when the exposure begins and when it ends.
+        let tubes = |piece: u32| {
+            let tube = |time| store.tube(piece as usize, time, &middle);
             let start = tube(0.0);
-            let end = if store.moves() { tube(1.0) } else { start };
-            CurveCapsule::new(part, &[start, end], spare)
+            [start, if store.moves() { tube(1.0) } else { start }]
         };
-        let boxes = parts.par_iter().map(|part| capsule(*part).bounds()).collect();
+        let of_piece = |piece: u32| {
+            let tubes = tubes(piece);
+            let bounds = move |part| CurveCapsule::new(part, &tubes, spare).bounds();
+            CurvePart::all(piece, &tubes[0]).map(move |part| (part, bounds(part)))
+        };
+        let of_fiber = |[first, end]: &[u32; 2]| (*first..*end).flat_map(of_piece);
+        let pieces: Vec<_> = store.pieces().collect();
+        let (parts, boxes): (Vec<CurvePart>, Vec<_>) =
+            pieces.par_iter().flat_map_iter(of_fiber).unzip();
         let (tree, leaves) = RayTree::new(boxes);
-        let of = |index: u32| capsule(parts[index as usize]);
+        let of = |index: u32| {
+            let part = parts[index as usize];
+            CurveCapsule::new(part, &tubes(part.piece()), spare)
+        };
         let blocks = leaves.par_iter().map(|leaf| CapsuleBlock::new(leaf, of)).collect();
         let moving = if store.moves() {
             leaves.par_iter().map(|leaf| MovingEnds::new(leaf, of)).collect()

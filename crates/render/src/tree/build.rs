@@ -5,6 +5,9 @@ use rayon::prelude::*;
 
 /// Candidates for a split along each axis.
 const BINS: usize = 16;
+const LAST_BIN: f32 = BINS as f32 - 1.0;
+/// Boxes that are looked at, or twice as many, to find a split.
+const SAMPLED: usize = 4096;
 /// Things of which several threads take parts.
 const MANY: usize = 1 << 14;
 /// Levels of nodes after which parts are halved, so that a walk has room for what waits.
@@ -128,14 +131,16 @@ impl NullaryFnOnce for SplitKernel<'_> {
     #[inline(always)]
     fn call(self) -> usize {
         let Self(boxes) = self;
+        // Of many boxes a part tells as well where to split.
+        let every = (boxes.len() / SAMPLED).max(1);
         let mut centers = RayBox::EMPTY;
-        for bounds in &*boxes {
+        for bounds in boxes.iter().step_by(every) {
             centers.hold(&bounds.center());
         }
         let slabs = [0, 1, 2].map(|axis| Slabs::new(&centers, axis));
         let mut counts = [[0_u32; BINS]; 3];
         let mut hulls = [[RayBox::EMPTY; BINS]; 3];
-        for bounds in &*boxes {
+        for bounds in boxes.iter().step_by(every) {
             for axis in 0..3 {
                 let bin = slabs[axis].bin(bounds);
                 counts[axis][bin] += 1;
@@ -160,7 +165,8 @@ impl NullaryFnOnce for SplitKernel<'_> {
             boxes.swap(first, k);
             first += usize::from(below);
         }
-        first
+        // A split of a part may be none of all.
+        if first == 0 || first == boxes.len() { boxes.len() / 2 } else { first }
     }
 }
 
@@ -177,16 +183,19 @@ impl Slabs {
     #[inline(always)]
     fn new(centers: &RayBox, axis: usize) -> Self {
         let low = centers.low(axis);
-        let scale = (BINS as f32 - 1.0) / (centers.high(axis) - low);
+        let scale = LAST_BIN / (centers.high(axis) - low);
         Self { axis, low, scale: if scale < f32::INFINITY { scale } else { 0.0 } }
     }
 
     #[inline(always)]
     fn bin(self, bounds: &RayBox) -> usize {
         let middle = bounds.high(self.axis) + bounds.low(self.axis);
+        let place = (middle - self.low) * self.scale;
+        let place = if place > 0.0 { place } else { 0.0 };
+        let place = if place < LAST_BIN { place } else { LAST_BIN };
         // Rounds to the nearest whole number: a conversion would test for what does not occur.
         const ROOM: f32 = 8_388_608.0;
-        ((middle - self.low) * self.scale + ROOM).to_bits() as usize % BINS
+        (place + ROOM).to_bits() as usize % BINS
     }
 }
 
