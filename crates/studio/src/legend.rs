@@ -1,7 +1,7 @@
 use crate::canvas::{Canvas, Color};
 use crate::coloring::viridis;
 use crate::{ColorRange, Coloring, StudioError};
-use rapunzel_render::{Film, Tone};
+use rapunzel_render::{Film, RenderError, Tone};
 use std::io::Write;
 
 /// Height of the bar of colors, of that of the picture.
@@ -19,13 +19,17 @@ const LETTERS: Color = [0.2, 0.2, 0.22];
 /// the colors of fibres beside it, on the left.
 ///
 /// # Errors
-/// [`StudioError::Io`] if `out` fails.
+/// [`StudioError::Render`] if `exposure` is not finite, [`StudioError::Io`] if `out` fails.
 pub fn write_with_legend(
     out: &mut impl Write,
     film: &Film,
     (tone, exposure): (Tone, f64),
     (coloring, range): (Coloring, &ColorRange),
 ) -> Result<(), StudioError> {
+    if !exposure.is_finite() {
+        let (what, must) = ("the exposure (stops)", "finite");
+        return Err(RenderError::Parameter { what, value: exposure, must }.into());
+    }
     let [width, height] = film.size();
     let bar = (HEIGHT * f64::from(height)).max(4.0 * LINE);
     let labels = [1.0, 0.5, 0.0].map(|t| number(range.low + t * (range.high - range.low)));

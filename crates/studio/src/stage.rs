@@ -3,8 +3,8 @@ use nalgebra::{Point3, Vector3};
 use rapunzel_export::surface::{self, Placed};
 use rapunzel_export::{Frame, Strand};
 use rapunzel_render::{
-    Camera, CurveForm, Curves, FiberCurve, FiberLook, Hairs, Light, Lights, RenderScene, Sky,
-    TriangleMesh,
+    Camera, CurveForm, Curves, FiberCurve, FiberLook, Hairs, Light, Lights, RenderError,
+    RenderScene, Sky, TriangleMesh,
 };
 
 /// Angle, rad, at which an edge of an object stays sharp.
@@ -69,6 +69,11 @@ impl StudioStage {
         options: &StageOptions,
     ) -> Result<Self, StudioError> {
         frame.validate()?;
+        let StageOptions { exposure, .. } = *options;
+        if !(exposure >= 0.0 && exposure.is_finite()) {
+            let (what, must) = ("the time of exposure (s)", "finite and not negative");
+            return Err(RenderError::Parameter { what, value: exposure, must }.into());
+        }
         objects.iter().try_for_each(|object| surface::check(&object.surface))?;
         let mut points: Vec<_> =
             frame.strands.iter().flat_map(|strand| strand.points.iter().copied()).collect();

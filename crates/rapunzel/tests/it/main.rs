@@ -6,4 +6,5 @@ mod grow;
 mod interruptions;
 mod lab;
 mod reading;
+mod render;
 mod solve;
