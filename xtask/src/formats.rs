@@ -16,7 +16,7 @@ pub(crate) fn run() -> Result<()> {
     cmd!(sh, "cargo run {package...} --example formats -- target/formats").run()?;
 
     sh.change_dir("target/formats");
-    let python = std::env::var("PYTHON").unwrap_or_else(|_| installed(&sh));
+    let python = std::env::var("PYTHON").unwrap_or_else(|_| installed(&sh, &READERS));
     let has = |module: &str| {
         let import = format!("import {module}");
         let found = cmd!(sh, "{python} -c {import}").quiet().ignore_stderr().run().is_ok();
@@ -41,17 +41,17 @@ pub(crate) fn run() -> Result<()> {
     Ok(())
 }
 
-/// The interpreter of a virtual environment with the readers, as far as they can be installed.
-fn installed(sh: &Shell) -> String {
+/// The interpreter of a virtual environment with Python packages, as far as they can be installed.
+pub(crate) fn installed(sh: &Shell, packages: &[&str]) -> String {
     let python = if cfg!(windows) { "venv/Scripts/python" } else { "venv/bin/python" };
     let install = || {
         if !sh.path_exists(python) {
             cmd!(sh, "python3 -m venv venv").run()?;
         }
-        cmd!(sh, "{python} -m pip install --quiet --disable-pip-version-check {READERS...}").run()
+        cmd!(sh, "{python} -m pip install --quiet --disable-pip-version-check {packages...}").run()
     };
     if let Err(error) = install() {
-        println!("cannot install {}: {error}", READERS.join(" and "));
+        println!("cannot install {}: {error}", packages.join(" and "));
     }
     python.to_owned()
 }

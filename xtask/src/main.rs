@@ -5,6 +5,7 @@ mod bench;
 mod ci;
 mod formats;
 mod fuzz;
+mod peers;
 mod reference;
 mod repro;
 mod structure;
@@ -25,6 +26,8 @@ usage: cargo xtask <command>
             figures)
   formats   write sample files and open them with the programs they are for (Python packages
             vtk and usd-core; skipped, with a word, where they are missing)
+  peers     draw the same hair with Mitsuba and Blender's Cycles and compare means and times (Python
+            packages mitsuba and bpy; skipped, with a word, where they are missing)
   fuzz      feed every reader of files with mutated ones for a minute each (fuzz READER SECONDS)";
 
 fn main() -> ExitCode {
@@ -49,6 +52,7 @@ fn run() -> Result<()> {
             repro::run(chapter.as_deref(), &arguments.collect::<Vec<_>>())
         }
         (Some("formats"), None) => formats::run(),
+        (Some("peers"), None) => peers::run(),
         (Some("fuzz"), reader) => {
             fuzz::run(&reader.into_iter().chain(arguments).collect::<Vec<_>>())
         }

@@ -1,21 +1,24 @@
-//! The scene that renderers are compared by: `wavy FIBRES SAMPLES [chiang|near|far] [FILE.png]`.
+//! The scene that renderers are compared by: `wavy FIBRES SAMPLES [chiang|near|far] [STEM]`.
 //!
-//! It prints the mean of the picture, its standard error, and what it cost, a name, a value and a
-//! unit per line.
+//! It prints the means of the picture and of the hair in it, and what they cost, a name and a value
+//! per line. With a stem it writes `STEM.png`, and `STEM.txt` with the control points of the fibres
+//! and their radii, cm, a line for each and an empty one behind each fibre.
+#![expect(clippy::print_stdout, reason = "a program that reports")]
 
 #[path = "../tests/it/wavy.rs"]
 mod wavy;
 
 use nalgebra::{Point3, Vector3};
 use rapunzel_fiber::Section;
+use rapunzel_fiber::spline::control_points;
 use rapunzel_render::{
-    Camera, CurveForm, Curves, FiberLook, Film, Hairs, Light, LightSearch, Lights, PathTracer,
-    Projection, RenderScene, Sky, Tone, write_png,
+    Camera, CurveForm, Curves, FiberCurve, FiberLook, Film, Hairs, Light, LightSearch, Lights,
+    PathTracer, Projection, RenderScene, Sky, Tone, write_png,
 };
 use rapunzel_scattering::{ChiangField, FarField, FiberBsdf, FiberOptics, NearField};
 use std::error::Error;
 use std::fs::File;
-use std::io::BufWriter;
+use std::io::{BufWriter, Write};
 use std::time::Instant;
 
 /// Angle of the scales, rad: 3 degrees, which other renderers take to lean to the root where hair's
@@ -33,10 +36,15 @@ fn main() -> Result<(), Box<dyn Error>> {
         "far" => Box::new(FarField::new(optics)?),
         _ => Box::new(ChiangField::new(optics)?),
     };
+    let fibers = wavy::wavy(count, 48);
+    if let Some(stem) = arguments.get(3) {
+        write_curves(BufWriter::new(File::create(format!("{stem}.txt"))?), &fibers)?;
+    }
     let begun = Instant::now();
-    let curves = Curves::new(CurveForm::Cubic, None, &wavy::wavy(count, 48))?;
-    println!("build {:.3} s", begun.elapsed().as_secs_f64());
-    println!("memory_of_curves {:.1} MiB", curves.bytes() as f64 / 1_048_576.0);
+    let curves = Curves::new(CurveForm::Cubic, None, &fibers)?;
+    drop(fibers);
+    println!("build_seconds {:.3}", begun.elapsed().as_secs_f64());
+    println!("memory_of_curves_mib {:.1}", curves.bytes() as f64 / 1_048_576.0);
     let look = FiberLook::Scattering { bsdf, albedo: Vector3::repeat(0.5) };
     let scene = RenderScene::new(vec![Hairs { curves, look }], Vec::new(), lights()?)?;
     let (at, target) = (Point3::new(0.0, -0.48, 0.15), Point3::new(0.0, 0.0, 0.15));
@@ -53,17 +61,30 @@ fn main() -> Result<(), Box<dyn Error>> {
     let begun = Instant::now();
     tracer.expose(&mut film, samples, &|| false);
     let seconds = begun.elapsed().as_secs_f64();
-    println!("render {seconds:.3} s");
+    println!("render_seconds {seconds:.3}");
     let traced = f64::from(256 * 256 * samples) / 1e6;
-    println!("throughput {:.4} Msamples/s", traced / seconds);
-    let pixels = film.pixels();
-    let mean: Vector3<f64> =
-        pixels.iter().map(|p| p.radiance()).sum::<Vector3<f64>>() / pixels.len() as f64;
-    println!("mean_rgb {:.5},{:.5},{:.5} radiance", mean.x, mean.y, mean.z);
-    if let Some(path) = arguments.get(3) {
-        write_png(BufWriter::new(File::create(path)?), &film, Tone::Srgb, 0.0, false)?;
+    println!("million_samples_per_second {:.4}", traced / seconds);
+    let (pixels, number) = (film.pixels(), film.pixels().len() as f64);
+    let mean = pixels.iter().map(|p| p.radiance()).sum::<Vector3<f64>>() / number;
+    let covered = pixels.iter().map(|p| p.coverage()).sum::<f64>() / number;
+    println!("mean {:.5} {:.5} {:.5}", mean.x, mean.y, mean.z);
+    println!("coverage {covered:.5}");
+    if let Some(stem) = arguments.get(3) {
+        let png = BufWriter::new(File::create(format!("{stem}.png"))?);
+        write_png(png, &film, Tone::Srgb, 0.0, false)?;
     }
     Ok(())
+}
+
+fn write_curves(mut to: impl Write, fibers: &[FiberCurve]) -> std::io::Result<()> {
+    for fiber in fibers {
+        for p in control_points(&fiber.nodes) {
+            let [x, y, z] = [p.x, p.y, p.z].map(|x| 100.0 * x);
+            writeln!(to, "{x:.7} {y:.7} {z:.7} {}", 100.0 * wavy::RADIUS)?;
+        }
+        writeln!(to)?;
+    }
+    to.flush()
 }
 
 /// A square light of 12 cm, above on the right, and a grey sky.
