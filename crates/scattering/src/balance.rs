@@ -6,7 +6,7 @@ use crate::scatterer::{Scatterer, cos2_half_difference, half_tangent};
 use nalgebra::Vector3;
 use rapunzel_fiber::quadrature::gauss_legendre;
 use rayon::prelude::*;
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::f64::consts::TAU;
 
 /// What keeps the energy of all lobes together at 1.
 ///
@@ -26,8 +26,10 @@ pub(crate) struct Balance {
     /// `1 / (2 pi total)`.
     height: f64,
     largest: f64,
+    /// Upper bound of `g / rho`.
+    most: Vector3<f64>,
     /// Integral of `g cos^2 theta`, over `total`.
-    pub(crate) tint: Vector3<f64>,
+    tint: Vector3<f64>,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -40,8 +42,8 @@ struct BalanceNode {
     tinted: Vector3<f64>,
     /// What the whole fibre scatters of what it receives.
     albedo: Vector3<f64>,
-    /// What each lobe scatters, over what it has at this inclination, the mean of the colors.
-    kept: [f64; 4],
+    /// What of that the lobes do, the mean of the colors.
+    lobes: [f64; 4],
 }
 
 /// The balance at one inclination.
@@ -71,19 +73,17 @@ impl Balance {
         }
         let node = |((t, sums), scale): ((&f64, &LobeSums), &f64)| {
             let lack = (1.0 - sums.clear).max(0.0);
-            let has = energies.at(t.abs()).absorbed;
-            let whole: Vector3<f64> = has.iter().sum();
-            let kept = [0, 1, 2, 3].map(|p| {
-                let has = has[p].mean();
-                if has > 0.0 { (sums.absorbed[p].mean() / has).clamp(1e-3, 1e3) } else { 1.0 }
-            });
-            let albedo = sums.absorbed.iter().sum();
+            let whole: Vector3<f64> = energies.at(t.abs()).absorbed.iter().sum();
+            let (albedo, lobes) = (sums.absorbed.iter().sum(), sums.absorbed.map(|e| e.mean()));
             let tinted = whole.map(|a| lack * a.clamp(0.0, 1.0).sqrt());
-            BalanceNode { scale: *scale, lack, tinted, albedo, kept }
+            BalanceNode { scale: *scale, lack, tinted, albedo, lobes }
         };
+        let whole = energies.nodes.iter().map(|n| n.absorbed.iter().sum::<Vector3<f64>>());
+        let most = whole.fold(Vector3::zeros(), |most: Vector3<f64>, whole| most.sup(&whole));
+        let most = most.map(|a| a.clamp(0.0, 1.0).sqrt());
         let nodes: Vec<BalanceNode> = at.iter().zip(&scaled).zip(&scales).map(node).collect();
         let mut balance =
-            Self { nodes, total: 0.0, height: 0.0, largest: 0.0, tint: Vector3::zeros() };
+            Self { nodes, most, total: 0.0, height: 0.0, largest: 0.0, tint: Vector3::zeros() };
         balance.close(&at);
         balance
     }
@@ -129,10 +129,15 @@ impl Balance {
         n[0].albedo + (n[1].albedo - n[0].albedo) * part
     }
 
-    /// What each lobe scatters under an inclination, over what it has there.
-    pub(crate) fn kept(&self, i: &Inclination) -> [f64; 4] {
+    /// What of that the lobes do but for the last, the mean of the colors.
+    pub(crate) fn lobes(&self, i: &Inclination) -> [f64; 4] {
         let (n, part) = self.between(i);
-        [0, 1, 2, 3].map(|p| n[0].kept[p] + (n[1].kept[p] - n[0].kept[p]) * part)
+        [0, 1, 2, 3].map(|p| n[0].lobes[p] + (n[1].lobes[p] - n[0].lobes[p]) * part)
+    }
+
+    /// What of that the last lobe does, the mean of the colors.
+    pub(crate) fn last(&self, i: &BalancePoint) -> f64 {
+        i.tinted.dot(&self.tint) / 3.0
     }
 
     /// The last lobe, per sr.
@@ -144,13 +149,26 @@ impl Balance {
         }
     }
 
-    /// Density by which [`Self::draw`] draws, over `cos^2 theta d theta`.
-    pub(crate) fn density(&self, r: &BalancePoint) -> f64 {
-        if self.total > 0.0 { r.lack / self.total } else { 0.0 }
+    /// Chance of a try by [`Self::try_draw`], at least what the last lobe scatters of light from
+    /// `i`: the mean of the colors.
+    pub(crate) fn chance(&self, i: &BalancePoint) -> f64 {
+        i.tinted.dot(&self.most) / 3.0
+    }
+
+    /// An inclination drawn by the last lobe in light from `i`, unless it is refused.
+    pub(crate) fn try_draw(
+        &self,
+        i: &BalancePoint,
+        random: &mut dyn FnMut() -> f64,
+    ) -> Option<Inclination> {
+        let drawn = self.draw(random);
+        let r = self.at(&drawn);
+        let accepted = i.tinted.dot(&r.tinted) >= random() * i.tinted.dot(&self.most) * r.lack;
+        accepted.then_some(drawn)
     }
 
     /// An inclination drawn by the lack of energy.
-    pub(crate) fn draw(&self, random: &mut dyn FnMut() -> f64) -> Inclination {
+    fn draw(&self, random: &mut dyn FnMut() -> f64) -> Inclination {
         let mut sin = 0.0;
         for _ in 0..MOST_TRIES {
             sin = semicircle(random).clamp(-1.0, 1.0);
@@ -164,7 +182,7 @@ impl Balance {
 }
 
 /// The cell of the nodes where an inclination lies, and where in it.
-fn place(i: &Inclination, cells: usize) -> (usize, f64) {
+pub(crate) fn place(i: &Inclination, cells: usize) -> (usize, f64) {
     cell(0.5 + 0.5 * i.sin / (1.0 + i.cos), cells)
 }
 
@@ -182,20 +200,13 @@ fn lobes_energy(
     rule: &[[f64; 2]],
     scale: &dyn Fn(&Inclination) -> f64,
 ) -> LobeSums {
-    let theta_i = theta_i.clamp(-FRAC_PI_2, FRAC_PI_2);
     let i = Inclination::of(theta_i);
     let (mut sums, own) = (LobeSums::default(), scale(&i));
-    for (p, lobe) in scatterer.lobes.iter().enumerate() {
-        for [low, high] in lobe.support(theta_i) {
-            for [x, weight] in rule {
-                let r = Inclination::of(low + 0.5 * (1.0 + x) * (high - low));
-                let energy = energies.at(half_tangent(cos2_half_difference(&i, &r)));
-                let measure = 0.5 * weight * (high - low) * r.cos * r.cos;
-                let measure = measure * lobe.at(&i, &r) * own.min(scale(&r));
-                sums.clear += energy.clear[p] * measure;
-                sums.absorbed[p] += energy.absorbed[p] * measure;
-            }
-        }
-    }
+    scatterer.over_ends(theta_i, rule, |p, r, measure| {
+        let energy = energies.at(half_tangent(cos2_half_difference(&i, r)));
+        let measure = measure * own.min(scale(r));
+        sums.clear += energy.clear[p] * measure;
+        sums.absorbed[p] += energy.absorbed[p] * measure;
+    });
     sums
 }

@@ -42,6 +42,10 @@ pub struct Arrival {
     pub(crate) inclination: Inclination,
     /// The balance of energy there, where a model keeps one.
     pub(crate) balance: BalancePoint,
+    /// What is scattered of the light, the mean of the colors, where samples have that weight.
+    pub(crate) albedo: f64,
+    /// Energies of the lobes of an ellipse at the inclination of `from`, over their means.
+    pub(crate) ratios: [f64; 4],
     /// Chances of the lobes at the inclination of `from`, as each model uses them.
     pub(crate) chances: [f64; LOBES],
 }
@@ -50,7 +54,8 @@ impl Arrival {
     /// An arrival of which nothing is prepared.
     pub(crate) fn new(offset: f64, from: &Vector3<f64>) -> Self {
         let (inclination, balance) = (inclination(from), BalancePoint::default());
-        Self { offset, from: *from, inclination, balance, chances: [0.0; LOBES] }
+        let (albedo, ratios, chances) = (0.0, [0.0; 4], [0.0; LOBES]);
+        Self { offset, from: *from, inclination, balance, albedo, ratios, chances }
     }
 }
 

@@ -73,10 +73,8 @@ impl FarField {
         let i = &arrival.inclination;
         let even = |u: f64| PI * (2.0 * u - 1.0);
         if p == LOBES - 1 {
-            let r = self.balance.draw(random);
-            let (a, b) = (&arrival.balance, self.balance.at(&r));
-            let accepted = a.tinted.dot(&b.tinted) >= random() * 3.0 * a.lack * b.lack;
-            return accepted.then(|| (r, even(random())));
+            let r = self.balance.try_draw(&arrival.balance, random)?;
+            return Some((r, even(random())));
         }
         let bounds = &self.bounds.at(i.cos * i.cos)[p];
         let stratum = choose(bounds, random())?;
@@ -104,7 +102,8 @@ impl FiberBsdf for FarField {
         let bounds = self.bounds.at(i.cos * i.cos);
         let [a, b, c, d] =
             bounds.map(|of| of.iter().sum::<f64>() * arrival.balance.scale / STRATA as f64);
-        arrival.chances = [a, b, c, d, arrival.balance.lack];
+        arrival.chances = [a, b, c, d, self.balance.chance(&arrival.balance)];
+        arrival.albedo = self.balance.albedo(&i).mean();
         arrival
     }
 
@@ -114,7 +113,7 @@ impl FiberBsdf for FarField {
 
     fn evaluate(&self, arrival: &Arrival, to: &Vector3<f64>) -> Scattering {
         let value: Vector3<f64> = self.parts(arrival, to).iter().sum();
-        let albedo = self.balance.albedo(&arrival.inclination).mean();
+        let albedo = arrival.albedo;
         let pdf = if albedo > 0.0 { value.mean() * inclination(to).cos / albedo } else { 0.0 };
         Scattering { value, pdf }.or_none()
     }

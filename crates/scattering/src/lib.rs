@@ -20,6 +20,7 @@ mod longitudinal;
 mod marschner;
 mod near;
 mod normal;
+mod offsets;
 mod optics;
 mod pigment;
 mod refraction;

@@ -1,9 +1,10 @@
 use crate::balance::{Balance, BalancePoint};
 use crate::circle::wrapped;
 use crate::direction::{azimuth, azimuth_change, inclination, turned};
-use crate::draw::choose;
+use crate::draw::{MOST_TRIES, choose};
 use crate::energy::EnergyTable;
 use crate::longitudinal::Inclination;
+use crate::offsets::{MeanEnergies, OffsetDraws, OffsetTable};
 use crate::scatterer::{FiberOutline, Rays, Scatterer, cos2_half_difference};
 use crate::{Arrival, FiberBsdf, FiberOptics, LOBES, ScatteredRay, Scattering, ScatteringError};
 use nalgebra::Vector3;
@@ -36,16 +37,19 @@ use std::f64::consts::{PI, TAU};
 pub struct NearField {
     scatterer: Scatterer,
     balance: Balance,
+    draws: OffsetDraws,
 }
 
 /// What an evaluation needs of both directions.
 struct ScatteringPair {
     /// Lobes times their scale, over inclinations.
     lobes: [f64; 4],
-    /// Lobes before the rule of Metropolis.
-    proposals: [f64; 4],
     rays: Rays,
-    balance: [BalancePoint; 2],
+    /// Squared cosine of `theta_d`.
+    cos2: f64,
+    balance: BalancePoint,
+    /// Of all lobes but the last.
+    scale: f64,
 }
 
 impl NearField {
@@ -57,8 +61,14 @@ impl NearField {
     /// ellipse.
     pub fn new(optics: FiberOptics, section: &Section) -> Result<Self, ScatteringError> {
         let scatterer = Scatterer::new(optics, FiberOutline::of(section)?)?;
-        let balance = Balance::new(&scatterer, &EnergyTable::new(&scatterer));
-        Ok(Self { scatterer, balance })
+        let energies = EnergyTable::new(&scatterer);
+        let balance = Balance::new(&scatterer, &energies);
+        let draws = if scatterer.outline == FiberOutline::Circle {
+            OffsetDraws::Circle(OffsetTable::new(&scatterer, &balance))
+        } else {
+            OffsetDraws::Ellipse(MeanEnergies::new(&energies))
+        };
+        Ok(Self { scatterer, balance, draws })
     }
 
     /// What the fibre scatters of the light that it receives under the inclination `theta`, rad,
@@ -68,22 +78,38 @@ impl NearField {
         self.balance.albedo(&Inclination::of(theta))
     }
 
+    /// What an evaluation needs of the inclination `r`, but for the lobes.
     fn pair(&self, arrival: &Arrival, r: &Inclination) -> ScatteringPair {
+        let cos2 = cos2_half_difference(&arrival.inclination, r);
+        let rays = self.rays(arrival, cos2);
+        let balance = self.balance.at(r);
+        let scale = arrival.balance.scale.min(balance.scale);
+        ScatteringPair { lobes: [0.0; 4], rays, cos2, balance, scale }
+    }
+
+    fn rays(&self, arrival: &Arrival, cos2: f64) -> Rays {
+        let cone = self.scatterer.cone(cos2);
+        self.scatterer.rays(cone, || azimuth(&arrival.from), arrival.offset)
+    }
+
+    fn with_lobes(
+        &self,
+        arrival: &Arrival,
+        r: &Inclination,
+        mut pair: ScatteringPair,
+    ) -> ScatteringPair {
         let i = &arrival.inclination;
-        let balance = [arrival.balance, self.balance.at(r)];
-        let scale = balance[0].scale.min(balance[1].scale);
-        let (mut lobes, mut proposals) = ([0.0; 4], [0.0; 4]);
-        for (p, lobe) in self.scatterer.lobes.iter().enumerate() {
-            let [value, proposal] = lobe.with_proposal(i, r);
-            (lobes[p], proposals[p]) = (scale * value, proposal);
-        }
-        let cone = self.scatterer.cone(cos2_half_difference(i, r));
-        let rays = self.scatterer.rays(cone, || azimuth(&arrival.from), arrival.offset);
-        ScatteringPair { lobes, proposals, rays, balance }
+        pair.lobes = [0, 1, 2, 3].map(|p| pair.scale * self.scatterer.lobes[p].at(i, r));
+        pair
     }
 
     /// The parts of `f`, where the change of azimuth is `change`.
-    fn parts(&self, pair: &ScatteringPair, change: f64) -> [Vector3<f64>; LOBES] {
+    fn parts(
+        &self,
+        arrival: &Arrival,
+        pair: &ScatteringPair,
+        change: f64,
+    ) -> [Vector3<f64>; LOBES] {
         let mut parts = [Vector3::zeros(); LOBES];
         for (p, part) in parts.iter_mut().enumerate().take(4) {
             if pair.lobes[p] > 0.0 {
@@ -92,19 +118,36 @@ impl NearField {
                 *part = pair.rays.energy[p] * (pair.lobes[p] * spread);
             }
         }
-        parts[4] = self.balance.lobe(&pair.balance[0], &pair.balance[1]);
+        parts[4] = self.balance.lobe(&arrival.balance, &pair.balance);
         parts
     }
 
-    /// Density of the inclination `r` among samples, over `cos^2 theta d theta`.
-    fn density(&self, arrival: &Arrival, pair: &ScatteringPair) -> f64 {
-        let lobes = arrival.chances.iter().zip(&pair.proposals).map(|(c, q)| c * q);
-        lobes.sum::<f64>() + arrival.chances[4] * self.balance.density(&pair.balance[1])
+    /// One try to draw an inclination, if it is accepted.
+    fn attempt(
+        &self,
+        arrival: &Arrival,
+        random: &mut dyn FnMut() -> f64,
+    ) -> Option<(Inclination, ScatteringPair)> {
+        let p = choose(&arrival.chances, random())?;
+        let Some(lobe) = self.scatterer.lobes.get(p) else {
+            let r = self.balance.try_draw(&arrival.balance, random)?;
+            return Some((r, self.pair(arrival, &r)));
+        };
+        let i = &arrival.inclination;
+        let r = lobe.draw(i, random);
+        let pair = self.pair(arrival, &r);
+        let energy = match &self.draws {
+            OffsetDraws::Circle(_) => pair.rays.energy[p].mean(),
+            OffsetDraws::Ellipse(means) => arrival.ratios[p] * means.at(pair.cos2)[p],
+        };
+        let [value, proposal] = lobe.with_proposal(i, &r);
+        let limit = random() * arrival.chances[p] * proposal;
+        (energy * value * pair.scale >= limit).then_some((r, pair))
     }
 
     /// Chances of the lobes once both inclinations are known, not yet of sum 1.
-    fn shares(&self, pair: &ScatteringPair) -> [f64; LOBES] {
-        let last = self.balance.lobe(&pair.balance[0], &pair.balance[1]).mean() * TAU;
+    fn shares(&self, arrival: &Arrival, pair: &ScatteringPair) -> [f64; LOBES] {
+        let last = self.balance.lobe(&arrival.balance, &pair.balance).mean() * TAU;
         let [a, b, c, d] = [0, 1, 2, 3].map(|p| pair.lobes[p] * pair.rays.energy[p].mean());
         [a, b, c, d, last]
     }
@@ -116,13 +159,16 @@ impl NearField {
         change: f64,
         cos: f64,
     ) -> Scattering {
-        let value: Vector3<f64> = self.parts(pair, change).iter().sum();
-        let shares: f64 = self.shares(pair).iter().sum();
-        let pdf = if shares > 0.0 {
-            self.density(arrival, pair) * cos * value.mean() / shares
-        } else {
-            0.0
-        };
+        let value: Vector3<f64> = self.parts(arrival, pair, change).iter().sum();
+        let mut pdf = value.mean() * cos / arrival.albedo;
+        if let OffsetDraws::Ellipse(means) = &self.draws {
+            // Inclinations are drawn by the mean energies, the rest by the rays.
+            let shares = self.shares(arrival, pair);
+            let (sum, mean) = (shares.iter().sum::<f64>(), means.at(pair.cos2));
+            let lobes = [0, 1, 2, 3].map(|p| arrival.ratios[p] * mean[p] * pair.lobes[p]);
+            let drawn = lobes.iter().sum::<f64>() + shares[4];
+            pdf *= if sum > 0.0 { drawn / sum } else { 0.0 };
+        }
         Scattering { value, pdf }.or_none()
     }
 }
@@ -131,26 +177,37 @@ impl FiberBsdf for NearField {
     fn arrive(&self, offset: f64, from: &Vector3<f64>) -> Arrival {
         let mut arrival = Arrival::new(offset.clamp(-1.0, 1.0), from);
         let i = arrival.inclination;
-        let cone = self.scatterer.cone(i.cos * i.cos);
-        let rays = self.scatterer.rays(cone, || azimuth(from), arrival.offset);
-        let kept = self.balance.kept(&i);
-        let [a, b, c, d] = [0, 1, 2, 3].map(|p| rays.energy[p].mean() * kept[p]);
         arrival.balance = self.balance.at(&i);
-        let last = arrival.balance.tinted.dot(&self.balance.tint) / 3.0;
-        let chances = [a, b, c, d, last];
-        let sum: f64 = chances.iter().sum();
-        arrival.chances = chances.map(|chance| if sum > 0.0 { chance / sum } else { 0.0 });
+        let cos2 = i.cos * i.cos;
+        let bounds = match &self.draws {
+            OffsetDraws::Circle(table) => {
+                arrival.albedo = table.albedo(arrival.offset, &i);
+                table.bounds.at_offset(cos2, arrival.offset)
+            }
+            OffsetDraws::Ellipse(means) => {
+                let (own, mean) = (self.rays(&arrival, cos2).energy, means.at(cos2));
+                let ratio = |p: usize| if mean[p] > 0.0 { own[p].mean() / mean[p] } else { 0.0 };
+                arrival.ratios = [0, 1, 2, 3].map(ratio);
+                let (lobes, bounds) = (self.balance.lobes(&i), means.bounds(&i));
+                let lobes = [0, 1, 2, 3].map(|p| lobes[p] * arrival.ratios[p]);
+                arrival.albedo = self.balance.last(&arrival.balance) + lobes.iter().sum::<f64>();
+                [0, 1, 2, 3].map(|p| bounds[p] * arrival.ratios[p])
+            }
+        };
+        let [a, b, c, d] = bounds.map(|bound| bound * arrival.balance.scale);
+        arrival.chances = [a, b, c, d, self.balance.chance(&arrival.balance)];
         arrival
     }
 
     fn lobes(&self, arrival: &Arrival, to: &Vector3<f64>) -> [Vector3<f64>; LOBES] {
-        let pair = self.pair(arrival, &inclination(to));
-        self.parts(&pair, azimuth_change(&arrival.from, to))
+        let r = inclination(to);
+        let pair = self.with_lobes(arrival, &r, self.pair(arrival, &r));
+        self.parts(arrival, &pair, azimuth_change(&arrival.from, to))
     }
 
     fn evaluate(&self, arrival: &Arrival, to: &Vector3<f64>) -> Scattering {
         let r = inclination(to);
-        let pair = self.pair(arrival, &r);
+        let pair = self.with_lobes(arrival, &r, self.pair(arrival, &r));
         self.scattering(arrival, &pair, azimuth_change(&arrival.from, to), r.cos)
     }
 
@@ -159,13 +216,9 @@ impl FiberBsdf for NearField {
     /// closed form, and weights differ from the albedo only as far as lobes do in width and tilt:
     /// by a standard deviation of 1 % in level light and 7 % at 60 degrees in usual white hair.
     fn sample(&self, arrival: &Arrival, random: &mut dyn FnMut() -> f64) -> Option<ScatteredRay> {
-        let i = arrival.inclination;
-        let r = match choose(&arrival.chances, random())? {
-            4 => self.balance.draw(random),
-            p => self.scatterer.lobes[p].draw(&i, random),
-        };
-        let pair = self.pair(arrival, &r);
-        let p = choose(&self.shares(&pair), random())?;
+        let (r, pair) = (0..MOST_TRIES).find_map(|_| self.attempt(arrival, random))?;
+        let pair = self.with_lobes(arrival, &r, pair);
+        let p = choose(&self.shares(arrival, &pair), random())?;
         let change = match pair.rays.azimuth.get(p) {
             Some(of) => wrapped(of + self.scatterer.azimuthal.quantile(random())),
             None => PI * (2.0 * random() - 1.0),

@@ -6,6 +6,7 @@ use crate::roughness::Logistic;
 use crate::{FiberOptics, OrderShares, Polarization, ScatteringError};
 use nalgebra::Vector3;
 use rapunzel_fiber::Section;
+use std::f64::consts::FRAC_PI_2;
 
 /// The outline of a fibre, of the area of the unit circle.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -72,6 +73,27 @@ impl Scatterer {
             FiberOutline::Ellipse(ellipse) => {
                 let ray = ellipse.trace(&cone, phi(), h);
                 Rays { azimuth: ray.azimuth, energy: ray.absorbed(sigma) }
+            }
+        }
+    }
+
+    /// Hands over where each lobe leaves of light from `theta_i`, rad: its index, the inclination,
+    /// and the lobe times the measure `cos^2 theta_r d theta_r`, at the nodes of a quadrature.
+    pub(crate) fn over_ends(
+        &self,
+        theta_i: f64,
+        rule: &[[f64; 2]],
+        mut take: impl FnMut(usize, &Inclination, f64),
+    ) {
+        let theta_i = theta_i.clamp(-FRAC_PI_2, FRAC_PI_2);
+        let i = Inclination::of(theta_i);
+        for (p, lobe) in self.lobes.iter().enumerate() {
+            for [low, high] in lobe.support(theta_i).into_iter().filter(|[low, high]| low < high) {
+                for [x, weight] in rule {
+                    let r = Inclination::of(low + 0.5 * (1.0 + x) * (high - low));
+                    let measure = 0.5 * weight * (high - low) * r.cos * r.cos;
+                    take(p, &r, measure * lobe.at(&i, &r));
+                }
             }
         }
     }
