@@ -1,6 +1,7 @@
 use crate::balance::BalancePoint;
 use crate::direction::inclination;
 use crate::longitudinal::Inclination;
+use crate::scatterer::{Offset, Rays};
 use nalgebra::Vector3;
 
 /// Number of parts that a model tells apart: R, TT, TRT, all later orders, and what keeps the
@@ -37,13 +38,15 @@ pub trait FiberBsdf {
 /// A path that has arrived at a fibre: where from, and what a model keeps of that.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Arrival {
-    pub(crate) offset: f64,
+    pub(crate) offset: Offset,
     pub(crate) from: Vector3<f64>,
     pub(crate) inclination: Inclination,
     /// The balance of energy there, where a model keeps one.
     pub(crate) balance: BalancePoint,
     /// What is scattered of the light, the mean of the colors, where samples have that weight.
     pub(crate) albedo: f64,
+    /// The rays, where a model attenuates all lobes at the inclination of `from`.
+    pub(crate) rays: Rays,
     /// Energies of the lobes of an ellipse at the inclination of `from`, over their means.
     pub(crate) ratios: [f64; 4],
     /// Chances of the lobes at the inclination of `from`, as each model uses them.
@@ -53,9 +56,11 @@ pub struct Arrival {
 impl Arrival {
     /// An arrival of which nothing is prepared.
     pub(crate) fn new(offset: f64, from: &Vector3<f64>) -> Self {
+        let offset = Offset::of(offset);
         let (inclination, balance) = (inclination(from), BalancePoint::default());
-        let (albedo, ratios, chances) = (0.0, [0.0; 4], [0.0; LOBES]);
-        Self { offset, from: *from, inclination, balance, albedo, ratios, chances }
+        let (albedo, rays, ratios) = (0.0, Rays::default(), [0.0; 4]);
+        let chances = [0.0; LOBES];
+        Self { offset, from: *from, inclination, balance, albedo, rays, ratios, chances }
     }
 }
 

@@ -4,9 +4,12 @@ use crate::direction::{azimuth_change, inclination, turned};
 use crate::draw::{MOST_TRIES, choose};
 use crate::far_table::FarTable;
 use crate::longitudinal::Inclination;
-use crate::scatterer::{FiberOutline, Scatterer, cos2_half_difference, half_tangent};
+use crate::scatterer::{FiberOutline, Offset, Scatterer, cos2_half_difference, half_tangent};
 use crate::strata::{STRATA, StratumBounds};
-use crate::{Arrival, FiberBsdf, FiberOptics, LOBES, ScatteredRay, Scattering, ScatteringError};
+use crate::{
+    Arrival, FiberBsdf, FiberOptics, LOBES, ScatteredRay, Scattering, ScatteringError,
+    SymmetricLobe,
+};
 use nalgebra::Vector3;
 use std::f64::consts::{PI, TAU};
 
@@ -58,7 +61,8 @@ impl FarField {
         let later = self.table.energies.later(at) / TAU;
         let balance = self.balance.at(&r);
         let scale = arrival.balance.scale.min(balance.scale);
-        let [a, b, c, d] = [0, 1, 2, 3].map(|p| scale * self.scatterer.lobes[p].at(&i, &r));
+        let lobes = SymmetricLobe::all(&self.scatterer.lobes, &i, &r);
+        let [a, b, c, d] = lobes.map(|lobe| scale * lobe);
         let last = self.balance.lobe(&arrival.balance, &balance);
         [Vector3::repeat(a * normal.r), normal.tt * b, normal.trt * c, later * d, last]
     }
@@ -81,7 +85,11 @@ impl FarField {
         let r = self.scatterer.lobes[p].draw(i, random);
         let size = (stratum as f64 + random()) / STRATA as f64;
         let h = if random() < 0.5 { size } else { -size };
-        let rays = self.scatterer.rays(self.scatterer.cone(cos2_half_difference(i, &r)), || 0.0, h);
+        let rays = self.scatterer.rays(
+            self.scatterer.cone(cos2_half_difference(i, &r)),
+            || 0.0,
+            &Offset::of(h),
+        );
         let [value, proposal] = self.scatterer.lobes[p].with_proposal(i, &r);
         let scale = self.balance.at(&r).scale.min(arrival.balance.scale);
         let limit = bounds[stratum] * proposal * arrival.balance.scale;

@@ -12,6 +12,7 @@ mod draw;
 mod ellipse;
 mod energy;
 mod error;
+mod exponential;
 mod far;
 mod far_table;
 mod grid;

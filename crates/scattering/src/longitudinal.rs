@@ -1,7 +1,8 @@
 use crate::ScatteringError;
-use crate::bessel::scaled_bessel;
+use crate::bessel::{scaled_bessel, scaled_bessel_0};
 use crate::draw::{MOST_TRIES, semicircle};
 use crate::error::check;
+use crate::exponential::exponentials;
 use std::f64::consts::{PI, TAU};
 
 /// The normal distribution of `x`, rad, with the standard deviation `beta`, rad: (6.13) of the
@@ -33,11 +34,20 @@ pub fn deon(v: f64, theta_i: f64, theta_r: f64) -> Result<f64, ScatteringError> 
     Ok(spherical(v, &Inclination::of(theta_i), &Inclination::of(theta_r)))
 }
 
-pub(crate) fn spherical(v: f64, i: &Inclination, r: &Inclination) -> f64 {
-    let (a, b) = (i.sin * r.sin, i.cos * r.cos);
-    // exp(-a/v) I0(b/v) / (2 v sinh(1/v)), each with its own exponential taken out.
-    let exponent = (b.abs() - a - 1.0) / v;
-    exponent.exp() * scaled_bessel(0, b.abs() / v) / (v * -(-2.0 / v).exp_m1())
+fn spherical(v: f64, i: &Inclination, r: &Inclination) -> f64 {
+    let [exponent, argument] = spherical_exponents(v.recip(), i, r);
+    exponent.exp() * scaled_bessel_0(argument) * spherical_height(v)
+}
+
+/// `exp(-a / v) I0(b / v) / (2 v sinh(1 / v))`, each with its own exponential taken out: what is
+/// left in the exponent, and the argument of the Bessel function.
+pub(crate) fn spherical_exponents(k: f64, i: &Inclination, r: &Inclination) -> [f64; 2] {
+    let (a, b) = (i.sin * r.sin, (i.cos * r.cos).abs());
+    [(b - a - 1.0) * k, b * k]
+}
+
+pub(crate) fn spherical_height(v: f64) -> f64 {
+    -1.0 / (v * (-2.0 / v).exp_m1())
 }
 
 /// Refuses a variance of a lobe that no number can carry.
@@ -125,36 +135,48 @@ impl SymmetricLobe {
         self.at(&Inclination::of(theta_i), &Inclination::of(theta_r))
     }
 
+    pub(crate) fn shift(&self) -> &Inclination {
+        &self.shift
+    }
+
     pub(crate) fn at(&self, i: &Inclination, r: &Inclination) -> f64 {
         self.with_proposal(i, r)[0]
     }
 
     /// The lobe, and what it is before the rule of Metropolis, from `i` to `r`, of integral 1.
     pub(crate) fn with_proposal(&self, i: &Inclination, r: &Inclination) -> [f64; 2] {
-        let from = i.before(&self.shift);
-        let off = self.concentration * (from.cos * r.cos - from.sin * r.sin - 1.0);
-        let (forth, back) = (from.cos * r.cos, i.cos * r.before(&self.shift).cos);
-        if off < -700.0 && forth > 0.0 {
-            return [0.0; 2];
-        }
-        let height = self.height * off.exp();
-        let forth_value = self.kernel(height, off, forth);
-        [if back > forth { self.kernel(height, off, back) } else { forth_value }, forth_value]
+        let [off, forth, back] = self.exponents(i, r);
+        let z = forth.max(back);
+        let [a, b, c, d] =
+            exponentials([off - z.min(0.0), -z.abs(), off - forth.min(0.0), -forth.abs()]);
+        [self.kernel(z, a, b), self.kernel(forth, c, d)]
     }
 
-    /// `exp(off) (1 - exp(-z)) / z`, `height` being its first factor; `off` and `off - z` are at
-    /// most zero, also beyond the pole.
-    fn kernel(&self, height: f64, off: f64, b: f64) -> f64 {
-        let z = 2.0 * self.concentration * b;
-        if z > 37.0 {
-            height / z
-        } else if z < -37.0 {
-            -self.height * (off - z).exp() / z
-        } else if z.abs() < 1e-3 {
-            height * (1.0 - z * (0.5 - z * (1.0 / 6.0 - z / 24.0)))
-        } else {
-            height * (1.0 - (-z).exp()) / z
-        }
+    /// Four lobes at once.
+    pub(crate) fn all(lobes: &[Self; 4], i: &Inclination, r: &Inclination) -> [f64; 4] {
+        let exponents = lobes.each_ref().map(|lobe| {
+            let [off, forth, back] = lobe.exponents(i, r);
+            [off, forth.max(back)]
+        });
+        let peaks = exponentials(exponents.map(|[off, z]| off - z.min(0.0)));
+        let ends = exponentials(exponents.map(|[_, z]| -z.abs()));
+        [0, 1, 2, 3].map(|p| lobes[p].kernel(exponents[p][1], peaks[p], ends[p]))
+    }
+
+    /// `k (T - 1)`, at most zero, and `2 k B` for both ways; less that it is at most zero too, also
+    /// beyond the pole, where `B` is negative.
+    fn exponents(&self, i: &Inclination, r: &Inclination) -> [f64; 3] {
+        let (from, k) = (i.before(&self.shift), self.concentration);
+        let off = k * (from.cos * r.cos - from.sin * r.sin - 1.0);
+        [off, 2.0 * k * from.cos * r.cos, 2.0 * k * i.cos * r.before(&self.shift).cos]
+    }
+
+    /// `exp(off) (1 - exp(-z)) / z`, where `peak` is `exp(off - min(z, 0))` and `end` `exp(-|z|)`.
+    fn kernel(&self, z: f64, peak: f64, end: f64) -> f64 {
+        let z = z.abs();
+        let mean =
+            if z < 1e-3 { 1.0 - z * (0.5 - z * (1.0 / 6.0 - z / 24.0)) } else { (1.0 - end) / z };
+        self.height * peak * mean
     }
 
     /// Intervals of `theta_r`, rad, outside of which the lobe from `theta_i`, rad, is below 1e-20

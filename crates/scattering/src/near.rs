@@ -6,7 +6,10 @@ use crate::energy::EnergyTable;
 use crate::longitudinal::Inclination;
 use crate::offsets::{MeanEnergies, OffsetDraws, OffsetTable};
 use crate::scatterer::{FiberOutline, Rays, Scatterer, cos2_half_difference};
-use crate::{Arrival, FiberBsdf, FiberOptics, LOBES, ScatteredRay, Scattering, ScatteringError};
+use crate::{
+    Arrival, FiberBsdf, FiberOptics, LOBES, ScatteredRay, Scattering, ScatteringError,
+    SymmetricLobe,
+};
 use nalgebra::Vector3;
 use rapunzel_fiber::Section;
 use std::f64::consts::{PI, TAU};
@@ -89,7 +92,7 @@ impl NearField {
 
     fn rays(&self, arrival: &Arrival, cos2: f64) -> Rays {
         let cone = self.scatterer.cone(cos2);
-        self.scatterer.rays(cone, || azimuth(&arrival.from), arrival.offset)
+        self.scatterer.rays(cone, || azimuth(&arrival.from), &arrival.offset)
     }
 
     fn with_lobes(
@@ -99,7 +102,8 @@ impl NearField {
         mut pair: ScatteringPair,
     ) -> ScatteringPair {
         let i = &arrival.inclination;
-        pair.lobes = [0, 1, 2, 3].map(|p| pair.scale * self.scatterer.lobes[p].at(i, r));
+        let lobes = SymmetricLobe::all(&self.scatterer.lobes, i, r);
+        pair.lobes = lobes.map(|lobe| pair.scale * lobe);
         pair
     }
 
@@ -110,16 +114,11 @@ impl NearField {
         pair: &ScatteringPair,
         change: f64,
     ) -> [Vector3<f64>; LOBES] {
-        let mut parts = [Vector3::zeros(); LOBES];
-        for (p, part) in parts.iter_mut().enumerate().take(4) {
-            if pair.lobes[p] > 0.0 {
-                let off = pair.rays.azimuth.get(p).map(|of| wrapped(change - of));
-                let spread = off.map_or(1.0 / TAU, |off| self.scatterer.azimuthal.density(off));
-                *part = pair.rays.energy[p] * (pair.lobes[p] * spread);
-            }
-        }
-        parts[4] = self.balance.lobe(&arrival.balance, &pair.balance);
-        parts
+        let spread =
+            self.scatterer.azimuthal.densities(pair.rays.azimuth.map(|of| wrapped(change - of)));
+        let [x, y, z] = [0, 1, 2].map(|p| pair.rays.energy[p] * (pair.lobes[p] * spread[p]));
+        let later = pair.rays.energy[3] * (pair.lobes[3] / TAU);
+        [x, y, z, later, self.balance.lobe(&arrival.balance, &pair.balance)]
     }
 
     /// One try to draw an inclination, if it is accepted.
@@ -175,14 +174,14 @@ impl NearField {
 
 impl FiberBsdf for NearField {
     fn arrive(&self, offset: f64, from: &Vector3<f64>) -> Arrival {
-        let mut arrival = Arrival::new(offset.clamp(-1.0, 1.0), from);
+        let mut arrival = Arrival::new(offset, from);
         let i = arrival.inclination;
         arrival.balance = self.balance.at(&i);
         let cos2 = i.cos * i.cos;
         let bounds = match &self.draws {
             OffsetDraws::Circle(table) => {
-                arrival.albedo = table.albedo(arrival.offset, &i);
-                table.bounds.at_offset(cos2, arrival.offset)
+                arrival.albedo = table.albedo(arrival.offset.h, &i);
+                table.bounds.at_offset(cos2, arrival.offset.h)
             }
             OffsetDraws::Ellipse(means) => {
                 let (own, mean) = (self.rays(&arrival, cos2).energy, means.at(cos2));

@@ -2,7 +2,7 @@ use crate::balance::{Balance, place};
 use crate::energy::EnergyTable;
 use crate::grid::{cell, nodes};
 use crate::longitudinal::Inclination;
-use crate::scatterer::{Scatterer, cos2_half_difference, half_tangent};
+use crate::scatterer::{Offset, Scatterer, cos2_half_difference, half_tangent};
 use crate::strata::StratumBounds;
 use rapunzel_fiber::quadrature::gauss_legendre;
 use rayon::prelude::*;
@@ -36,12 +36,13 @@ impl OffsetTable {
     /// The table of a fibre whose lobes are balanced so.
     pub(crate) fn new(scatterer: &Scatterer, balance: &Balance) -> Self {
         // Even in the tangent of half the angle of incidence: all is smooth in that.
-        let offsets: Vec<f64> = nodes(OFFSETS).map(|s| 2.0 * s / (1.0 + s * s)).collect();
+        let offsets: Vec<Offset> =
+            nodes(OFFSETS).map(|s| Offset::of(2.0 * s / (1.0 + s * s))).collect();
         // A list for each lobe, over which sums are quick.
         let energies = |t: f64| {
             let cos = (1.0 - t * t) / (1.0 + t * t);
             let cone = scatterer.cone(cos * cos);
-            let rays = offsets.iter().map(|h| scatterer.rays(cone, || 0.0, *h).energy);
+            let rays = offsets.iter().map(|h| scatterer.rays(cone, || 0.0, h).energy);
             let means: Vec<_> = rays.map(|energy| energy.map(|e| e.mean())).collect();
             [0, 1, 2, 3].map(|p| means.iter().map(|mean| mean[p]).collect())
         };

@@ -1,5 +1,6 @@
 use crate::ScatteringError;
 use crate::error::check;
+use crate::exponential::exponentials;
 use std::f64::consts::PI;
 
 /// Variance of the longitudinal lobe, rad^2, of a fibre of the roughness `beta` in `[0, 1]`, evenly
@@ -41,10 +42,10 @@ impl Logistic {
         Self { scale, sharpness: 1.0 / scale, below, height: 1.0 / (scale * (1.0 - 2.0 * below)) }
     }
 
-    /// Density at an angle in `[-pi, pi]`, per rad.
-    pub(crate) fn density(&self, angle: f64) -> f64 {
-        let e = (-angle.abs() * self.sharpness).exp();
-        self.height * e / ((1.0 + e) * (1.0 + e))
+    /// Densities at angles in `[-pi, pi]`, per rad.
+    pub(crate) fn densities<const N: usize>(&self, angles: [f64; N]) -> [f64; N] {
+        exponentials(angles.map(|angle| -angle.abs() * self.sharpness))
+            .map(|e| self.height * e / ((1.0 + e) * (1.0 + e)))
     }
 
     /// The angle below which the share `u`, in `[0, 1)`, lies.

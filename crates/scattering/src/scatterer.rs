@@ -1,12 +1,13 @@
 use crate::circle::CirclePaths;
 use crate::ellipse::EllipseOutline;
+use crate::exponential::exponentials;
 use crate::longitudinal::{Inclination, SymmetricLobe};
-use crate::refraction::Cone;
+use crate::refraction::{Cone, cosine};
 use crate::roughness::Logistic;
 use crate::{FiberOptics, OrderShares, Polarization, ScatteringError};
 use nalgebra::Vector3;
 use rapunzel_fiber::Section;
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 /// The outline of a fibre, of the area of the unit circle.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,7 +26,24 @@ impl FiberOutline {
     }
 }
 
+/// An offset, with what of its projected angle of incidence all inclinations share.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct Offset {
+    pub(crate) h: f64,
+    cos: f64,
+    /// Twice the angle, rad.
+    turn: f64,
+}
+
+impl Offset {
+    pub(crate) fn of(h: f64) -> Self {
+        let h = h.clamp(-1.0, 1.0);
+        Self { h, cos: cosine(h), turn: 2.0 * h.asin() }
+    }
+}
+
 /// What becomes of a ray at one offset.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct Rays {
     /// Changes of azimuth of R, TT and TRT, rad.
     pub(crate) azimuth: [f64; 3],
@@ -61,17 +79,18 @@ impl Scatterer {
     }
 
     /// The rays at the offset `h` to light from the azimuth `phi`, rad, on the cone.
-    pub(crate) fn rays(&self, cone: Cone, phi: impl Fn() -> f64, h: f64) -> Rays {
+    pub(crate) fn rays(&self, cone: Cone, phi: impl Fn() -> f64, h: &Offset) -> Rays {
         let sigma = &self.optics.absorption;
         match &self.outline {
             FiberOutline::Circle => {
-                let paths = CirclePaths::of(cone);
-                let shares = OrderShares::new(&paths, h, self.optics.polarization);
-                let energy = shares.absorbed(&transmitted(sigma, paths.segment(h)));
-                Rays { azimuth: paths.azimuths(h), energy }
+                let sin_t = h.h * cone.inverse_index();
+                let (cos_t, turn) = (cosine(sin_t), 2.0 * sin_t.asin());
+                let shares = OrderShares::at(&cone, h.h, [h.cos, cos_t], self.optics.polarization);
+                let energy = shares.absorbed(&transmitted(sigma, 2.0 * cos_t * cone.stretch()));
+                Rays { azimuth: [-h.turn, turn - h.turn + PI, 2.0 * turn - h.turn], energy }
             }
             FiberOutline::Ellipse(ellipse) => {
-                let ray = ellipse.trace(&cone, phi(), h);
+                let ray = ellipse.trace(&cone, phi(), h.h);
                 Rays { azimuth: ray.azimuth, energy: ray.absorbed(sigma) }
             }
         }
@@ -117,7 +136,10 @@ impl Scatterer {
 
 /// What a path of the length `l` radii transmits (thesis (6.9)).
 fn transmitted(sigma: &Vector3<f64>, l: f64) -> Vector3<f64> {
-    if *sigma == Vector3::zeros() { Vector3::repeat(1.0) } else { sigma.map(|s| (-s * l).exp()) }
+    if *sigma == Vector3::zeros() {
+        return Vector3::repeat(1.0);
+    }
+    Vector3::from(exponentials([-sigma.x * l, -sigma.y * l, -sigma.z * l]))
 }
 
 /// Squared cosine of `theta_d = (theta_r - theta_i) / 2`, the inclination at which a lobe between

@@ -87,7 +87,7 @@ fn bounds(
 mod tests {
     use super::*;
     use crate::FiberOptics;
-    use crate::scatterer::FiberOutline;
+    use crate::scatterer::{FiberOutline, Offset};
     use nalgebra::Vector3;
 
     #[test]
@@ -108,10 +108,10 @@ mod tests {
                 for step in 0..90_u32 {
                     let d = f64::from(step) / 89.0 * (0.5 * theta + 0.25 * std::f64::consts::PI);
                     for stratum in 0..STRATA {
-                        let h = (stratum as f64 + 0.5) / STRATA as f64;
-                        let rays = scatterer.rays(scatterer.cone(d.cos().powi(2)), || 0.0, h);
+                        let h = Offset::of((stratum as f64 + 0.5) / STRATA as f64);
+                        let rays = scatterer.rays(scatterer.cone(d.cos().powi(2)), || 0.0, &h);
                         for p in 0..4 {
-                            assert!(rays.energy[p].mean() <= bounds[p][stratum], "{p} {h} {d}");
+                            assert!(rays.energy[p].mean() <= bounds[p][stratum], "{p} {h:?} {d}");
                         }
                     }
                 }
