@@ -90,10 +90,9 @@ impl FarField {
             || 0.0,
             &Offset::of(h),
         );
-        let [value, proposal] = self.scatterer.lobes[p].with_proposal(i, &r);
         let scale = self.balance.at(&r).scale.min(arrival.balance.scale);
-        let limit = bounds[stratum] * proposal * arrival.balance.scale;
-        if rays.energy[p].mean() * value * scale < random() * limit {
+        let kept = self.scatterer.lobes[p].kept(i, &r) * scale;
+        if rays.energy[p].mean() * kept < random() * bounds[stratum] * arrival.balance.scale {
             return None;
         }
         let spread = |of: &f64, u: f64| wrapped(of + self.scatterer.azimuthal.quantile(u));

@@ -140,27 +140,45 @@ impl SymmetricLobe {
     }
 
     pub(crate) fn at(&self, i: &Inclination, r: &Inclination) -> f64 {
-        self.with_proposal(i, r)[0]
+        let [off, forth, back] = self.exponents(i, r);
+        self.kernel(off, forth.max(back))
     }
 
-    /// The lobe, and what it is before the rule of Metropolis, from `i` to `r`, of integral 1.
-    pub(crate) fn with_proposal(&self, i: &Inclination, r: &Inclination) -> [f64; 2] {
-        let [off, forth, back] = self.exponents(i, r);
-        let z = forth.max(back);
-        let [a, b, c, d] =
-            exponentials([off - z.min(0.0), -z.abs(), off - forth.min(0.0), -forth.abs()]);
-        [self.kernel(z, a, b), self.kernel(forth, c, d)]
+    /// The lobe before the rule of Metropolis, from `i` to `r`: of integral 1.
+    pub(crate) fn proposal(&self, i: &Inclination, r: &Inclination) -> f64 {
+        let [off, forth, _] = self.exponents(i, r);
+        self.kernel(off, forth)
+    }
+
+    /// What the rule of Metropolis leaves of that, in `[0, 1]`.
+    pub(crate) fn kept(&self, i: &Inclination, r: &Inclination) -> f64 {
+        let [_, forth, back] = self.exponents(i, r);
+        if back <= forth {
+            1.0
+        } else if forth > 37.0 {
+            forth / back
+        } else {
+            let least = forth.min(0.0);
+            self.kernel(least, back) / self.kernel(least, forth)
+        }
     }
 
     /// Four lobes at once.
     pub(crate) fn all(lobes: &[Self; 4], i: &Inclination, r: &Inclination) -> [f64; 4] {
-        let exponents = lobes.each_ref().map(|lobe| {
+        let (mut z, mut exponents) = ([0.0; 4], [0.0; 8]);
+        for (p, lobe) in lobes.iter().enumerate() {
             let [off, forth, back] = lobe.exponents(i, r);
-            [off, forth.max(back)]
-        });
-        let peaks = exponentials(exponents.map(|[off, z]| off - z.min(0.0)));
-        let ends = exponentials(exponents.map(|[_, z]| -z.abs()));
-        [0, 1, 2, 3].map(|p| lobes[p].kernel(exponents[p][1], peaks[p], ends[p]))
+            z[p] = forth.max(back);
+            (exponents[p], exponents[4 + p]) = (off - z[p].min(0.0), -z[p].abs());
+        }
+        let e = exponentials(exponents);
+        [0, 1, 2, 3].map(|p| lobes[p].height * e[p] * mean_exponential(z[p], e[4 + p]))
+    }
+
+    /// `exp(off) (1 - exp(-z)) / z`, but for the height.
+    fn kernel(&self, off: f64, z: f64) -> f64 {
+        let [peak, end] = exponentials([off - z.min(0.0), -z.abs()]);
+        self.height * peak * mean_exponential(z, end)
     }
 
     /// `k (T - 1)`, at most zero, and `2 k B` for both ways; less that it is at most zero too, also
@@ -169,14 +187,6 @@ impl SymmetricLobe {
         let (from, k) = (i.before(&self.shift), self.concentration);
         let off = k * (from.cos * r.cos - from.sin * r.sin - 1.0);
         [off, 2.0 * k * from.cos * r.cos, 2.0 * k * i.cos * r.before(&self.shift).cos]
-    }
-
-    /// `exp(off) (1 - exp(-z)) / z`, where `peak` is `exp(off - min(z, 0))` and `end` `exp(-|z|)`.
-    fn kernel(&self, z: f64, peak: f64, end: f64) -> f64 {
-        let z = z.abs();
-        let mean =
-            if z < 1e-3 { 1.0 - z * (0.5 - z * (1.0 / 6.0 - z / 24.0)) } else { (1.0 - end) / z };
-        self.height * peak * mean
     }
 
     /// Intervals of `theta_r`, rad, outside of which the lobe from `theta_i`, rad, is below 1e-20
@@ -217,4 +227,10 @@ impl SymmetricLobe {
         let sin = sin.clamp(-1.0, 1.0);
         Inclination { sin, cos: (1.0 - sin * sin).sqrt() }
     }
+}
+
+/// `(1 - exp(-|z|)) / |z|`, where `end` is the exponential.
+fn mean_exponential(z: f64, end: f64) -> f64 {
+    let z = z.abs();
+    if z < 1e-3 { 1.0 - z * (0.5 - z * (1.0 / 6.0 - z / 24.0)) } else { (1.0 - end) / z }
 }

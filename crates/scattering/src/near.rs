@@ -51,8 +51,6 @@ struct ScatteringPair {
     /// Squared cosine of `theta_d`.
     cos2: f64,
     balance: BalancePoint,
-    /// Of all lobes but the last.
-    scale: f64,
 }
 
 impl NearField {
@@ -81,13 +79,12 @@ impl NearField {
         self.balance.albedo(&Inclination::of(theta))
     }
 
-    /// What an evaluation needs of the inclination `r`, but for the lobes.
-    fn pair(&self, arrival: &Arrival, r: &Inclination) -> ScatteringPair {
-        let cos2 = cos2_half_difference(&arrival.inclination, r);
-        let rays = self.rays(arrival, cos2);
+    fn pair(&self, arrival: &Arrival, r: &Inclination, rays: Rays) -> ScatteringPair {
+        let i = &arrival.inclination;
         let balance = self.balance.at(r);
         let scale = arrival.balance.scale.min(balance.scale);
-        ScatteringPair { lobes: [0.0; 4], rays, cos2, balance, scale }
+        let lobes = SymmetricLobe::all(&self.scatterer.lobes, i, r).map(|lobe| scale * lobe);
+        ScatteringPair { lobes, rays, cos2: cos2_half_difference(i, r), balance }
     }
 
     fn rays(&self, arrival: &Arrival, cos2: f64) -> Rays {
@@ -95,16 +92,9 @@ impl NearField {
         self.scatterer.rays(cone, || azimuth(&arrival.from), &arrival.offset)
     }
 
-    fn with_lobes(
-        &self,
-        arrival: &Arrival,
-        r: &Inclination,
-        mut pair: ScatteringPair,
-    ) -> ScatteringPair {
-        let i = &arrival.inclination;
-        let lobes = SymmetricLobe::all(&self.scatterer.lobes, i, r);
-        pair.lobes = lobes.map(|lobe| pair.scale * lobe);
-        pair
+    /// The rays by which lobes to the inclination `r` are attenuated.
+    fn rays_to(&self, arrival: &Arrival, r: &Inclination) -> Rays {
+        self.rays(arrival, cos2_half_difference(&arrival.inclination, r))
     }
 
     /// The parts of `f`, where the change of azimuth is `change`.
@@ -126,22 +116,28 @@ impl NearField {
         &self,
         arrival: &Arrival,
         random: &mut dyn FnMut() -> f64,
-    ) -> Option<(Inclination, ScatteringPair)> {
+    ) -> Option<(usize, Inclination, Rays)> {
         let p = choose(&arrival.chances, random())?;
         let Some(lobe) = self.scatterer.lobes.get(p) else {
             let r = self.balance.try_draw(&arrival.balance, random)?;
-            return Some((r, self.pair(arrival, &r)));
+            return Some((p, r, self.rays_to(arrival, &r)));
         };
         let i = &arrival.inclination;
         let r = lobe.draw(i, random);
-        let pair = self.pair(arrival, &r);
+        let scale = self.balance.at(&r).scale.min(arrival.balance.scale);
+        let (kept, most) = (lobe.kept(i, &r) * scale, random());
+        // Before rays are traced, whose energy is at most the bound.
+        if kept < most * arrival.balance.scale {
+            return None;
+        }
+        let rays = self.rays_to(arrival, &r);
         let energy = match &self.draws {
-            OffsetDraws::Circle(_) => pair.rays.energy[p].mean(),
-            OffsetDraws::Ellipse(means) => arrival.ratios[p] * means.at(pair.cos2)[p],
+            OffsetDraws::Circle(_) => rays.energy[p].mean(),
+            OffsetDraws::Ellipse(means) => {
+                arrival.ratios[p] * means.at(cos2_half_difference(i, &r))[p]
+            }
         };
-        let [value, proposal] = lobe.with_proposal(i, &r);
-        let limit = random() * arrival.chances[p] * proposal;
-        (energy * value * pair.scale >= limit).then_some((r, pair))
+        (energy * kept >= most * arrival.chances[p]).then_some((p, r, rays))
     }
 
     /// Chances of the lobes once both inclinations are known, not yet of sum 1.
@@ -200,13 +196,13 @@ impl FiberBsdf for NearField {
 
     fn lobes(&self, arrival: &Arrival, to: &Vector3<f64>) -> [Vector3<f64>; LOBES] {
         let r = inclination(to);
-        let pair = self.with_lobes(arrival, &r, self.pair(arrival, &r));
+        let pair = self.pair(arrival, &r, self.rays_to(arrival, &r));
         self.parts(arrival, &pair, azimuth_change(&arrival.from, to))
     }
 
     fn evaluate(&self, arrival: &Arrival, to: &Vector3<f64>) -> Scattering {
         let r = inclination(to);
-        let pair = self.with_lobes(arrival, &r, self.pair(arrival, &r));
+        let pair = self.pair(arrival, &r, self.rays_to(arrival, &r));
         self.scattering(arrival, &pair, azimuth_change(&arrival.from, to), r.cos)
     }
 
@@ -215,9 +211,12 @@ impl FiberBsdf for NearField {
     /// closed form, and weights differ from the albedo only as far as lobes do in width and tilt:
     /// by a standard deviation of 1 % in level light and 7 % at 60 degrees in usual white hair.
     fn sample(&self, arrival: &Arrival, random: &mut dyn FnMut() -> f64) -> Option<ScatteredRay> {
-        let (r, pair) = (0..MOST_TRIES).find_map(|_| self.attempt(arrival, random))?;
-        let pair = self.with_lobes(arrival, &r, pair);
-        let p = choose(&self.shares(arrival, &pair), random())?;
+        let (p, r, rays) = (0..MOST_TRIES).find_map(|_| self.attempt(arrival, random))?;
+        let pair = self.pair(arrival, &r, rays);
+        let p = match &self.draws {
+            OffsetDraws::Circle(_) => p,
+            OffsetDraws::Ellipse(_) => choose(&self.shares(arrival, &pair), random())?,
+        };
         let change = match pair.rays.azimuth.get(p) {
             Some(of) => wrapped(of + self.scatterer.azimuthal.quantile(random())),
             None => PI * (2.0 * random() - 1.0),

@@ -43,9 +43,10 @@ impl Logistic {
     }
 
     /// Densities at angles in `[-pi, pi]`, per rad.
-    pub(crate) fn densities<const N: usize>(&self, angles: [f64; N]) -> [f64; N] {
-        exponentials(angles.map(|angle| -angle.abs() * self.sharpness))
-            .map(|e| self.height * e / ((1.0 + e) * (1.0 + e)))
+    pub(crate) fn densities(&self, [a, b, c]: [f64; 3]) -> [f64; 3] {
+        // Four exponentials are as quick as three.
+        let all = exponentials([a, b, c, 0.0].map(|angle| -angle.abs() * self.sharpness));
+        [0, 1, 2].map(|p| self.height * all[p] / ((1.0 + all[p]) * (1.0 + all[p])))
     }
 
     /// The angle below which the share `u`, in `[0, 1)`, lies.
