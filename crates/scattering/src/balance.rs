@@ -43,8 +43,8 @@ struct BalanceNode {
     tinted: Vector3<f64>,
     /// What the whole fibre scatters of what it receives.
     albedo: Vector3<f64>,
-    /// What of that the lobes do, the mean of the colors.
-    lobes: [f64; 4],
+    /// What each lobe scatters, over what it has at this inclination, the mean of the colors.
+    kept: [f64; 4],
 }
 
 /// The balance at one inclination.
@@ -74,10 +74,15 @@ impl Balance {
         }
         let node = |((t, sums), scale): ((&f64, &LobeSums), &f64)| {
             let lack = (1.0 - sums.clear).max(0.0);
-            let whole: Vector3<f64> = energies.at(t.abs()).absorbed.iter().sum();
-            let (albedo, lobes) = (sums.absorbed.iter().sum(), sums.absorbed.map(|e| e.mean()));
+            let has = energies.at(t.abs()).absorbed;
+            let whole: Vector3<f64> = has.iter().sum();
+            let kept = [0, 1, 2, 3].map(|p| {
+                let has = has[p].mean();
+                if has > 0.0 { (sums.absorbed[p].mean() / has).clamp(1e-3, 1e3) } else { 1.0 }
+            });
+            let albedo = sums.absorbed.iter().sum();
             let tinted = whole.map(|a| lack * a.clamp(0.0, 1.0).sqrt());
-            BalanceNode { scale: *scale, lack, tinted, albedo, lobes }
+            BalanceNode { scale: *scale, lack, tinted, albedo, kept }
         };
         let whole = energies.nodes.iter().map(|n| n.absorbed.iter().sum::<Vector3<f64>>());
         let most = whole.fold(Vector3::zeros(), |most: Vector3<f64>, whole| most.sup(&whole));
@@ -139,13 +144,13 @@ impl Balance {
         n[0].albedo + (n[1].albedo - n[0].albedo) * part
     }
 
-    /// What of that the lobes do but for the last, the mean of the colors.
-    pub(crate) fn lobes(&self, i: &Inclination) -> [f64; 4] {
+    /// What each lobe scatters under an inclination, over what it has there.
+    pub(crate) fn kept(&self, i: &Inclination) -> [f64; 4] {
         let (n, part) = self.between(i);
-        [0, 1, 2, 3].map(|p| n[0].lobes[p] + (n[1].lobes[p] - n[0].lobes[p]) * part)
+        [0, 1, 2, 3].map(|p| n[0].kept[p] + (n[1].kept[p] - n[0].kept[p]) * part)
     }
 
-    /// What of that the last lobe does, the mean of the colors.
+    /// What the last lobe scatters, the mean of the colors.
     pub(crate) fn last(&self, i: &BalancePoint) -> f64 {
         i.tinted.dot(&self.tint) / 3.0
     }
@@ -177,8 +182,13 @@ impl Balance {
         accepted.then_some(drawn)
     }
 
+    /// Density by which [`Self::draw`] draws, over `cos^2 theta d theta`.
+    pub(crate) fn density(&self, r: &BalancePoint) -> f64 {
+        if self.total > 0.0 { r.lack / self.total } else { 0.0 }
+    }
+
     /// An inclination drawn by the lack of energy: a cell by its bound, then a place in it.
-    fn draw(&self, random: &mut dyn FnMut() -> f64) -> Inclination {
+    pub(crate) fn draw(&self, random: &mut dyn FnMut() -> f64) -> Inclination {
         let cells = self.nodes.len() - 1;
         let whole = self.bounds.last().map_or(0.0, |last| *last);
         let mut t = 0.0;

@@ -47,8 +47,6 @@ pub struct Arrival {
     pub(crate) albedo: f64,
     /// The rays, where a model attenuates all lobes at the inclination of `from`.
     pub(crate) rays: Rays,
-    /// Energies of the lobes of an ellipse at the inclination of `from`, over their means.
-    pub(crate) ratios: [f64; 4],
     /// Chances of the lobes at the inclination of `from`, as each model uses them.
     pub(crate) chances: [f64; LOBES],
 }
@@ -58,9 +56,9 @@ impl Arrival {
     pub(crate) fn new(offset: f64, from: &Vector3<f64>) -> Self {
         let offset = Offset::of(offset);
         let (inclination, balance) = (inclination(from), BalancePoint::default());
-        let (albedo, rays, ratios) = (0.0, Rays::default(), [0.0; 4]);
+        let (albedo, rays) = (0.0, Rays::default());
         let chances = [0.0; LOBES];
-        Self { offset, from: *from, inclination, balance, albedo, rays, ratios, chances }
+        Self { offset, from: *from, inclination, balance, albedo, rays, chances }
     }
 }
 

@@ -58,7 +58,7 @@ impl FiberBsdf for ChiangField {
         let mut arrival = Arrival::new(offset, from);
         let cos = arrival.inclination.cos;
         let cone = self.scatterer.cone(cos * cos);
-        arrival.rays = self.scatterer.rays(cone, || 0.0, &arrival.offset);
+        arrival.rays = self.scatterer.rays(cone, from, &arrival.offset);
         let [a, b, c, d] = arrival.rays.energy.map(|energy| energy.mean());
         let sum = a + b + c + d;
         arrival.chances = [a, b, c, d, 0.0].map(|e| if sum > 0.0 { e / sum } else { 0.0 });

@@ -87,7 +87,7 @@ impl FarField {
         let h = if random() < 0.5 { size } else { -size };
         let rays = self.scatterer.rays(
             self.scatterer.cone(cos2_half_difference(i, &r)),
-            || 0.0,
+            &Vector3::x(),
             &Offset::of(h),
         );
         let scale = self.balance.at(&r).scale.min(arrival.balance.scale);

@@ -77,7 +77,7 @@ fn row(scatterer: &Scatterer, t: f64, azimuths: u32, rule: &[[f64; 2]]) -> Vec<N
         // The rays at h and -h are mirror images; half of 1/2 dh each.
         let share = 0.5 * weight * width * 0.5 * FRAC_PI_2;
         let [r, tt, trt, _] =
-            scatterer.rays(cone, || 0.0, &Offset::of(h)).energy.map(|e| e * share);
+            scatterer.rays(cone, &Vector3::x(), &Offset::of(h)).energy.map(|e| e * share);
         for (p, azimuth) in paths.azimuths(h).into_iter().enumerate() {
             let add = |node: &mut NormalScattering, density: f64| match p {
                 0 => node.r += density * r.x,

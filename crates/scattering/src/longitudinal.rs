@@ -182,11 +182,13 @@ impl SymmetricLobe {
     }
 
     /// `k (T - 1)`, at most zero, and `2 k B` for both ways; less that it is at most zero too, also
-    /// beyond the pole, where `B` is negative.
+    /// beyond the pole, where `B` is negative. All is symmetric to the last bit.
     fn exponents(&self, i: &Inclination, r: &Inclination) -> [f64; 3] {
-        let (from, k) = (i.before(&self.shift), self.concentration);
-        let off = k * (from.cos * r.cos - from.sin * r.sin - 1.0);
-        [off, 2.0 * k * from.cos * r.cos, 2.0 * k * i.cos * r.before(&self.shift).cos]
+        let (k, shift) = (self.concentration, &self.shift);
+        let (cos, sin) = (i.cos * r.cos - i.sin * r.sin, i.sin * r.cos + i.cos * r.sin);
+        let off = k * (cos * shift.cos + sin * shift.sin - 1.0);
+        let (forth, back) = (i.before(shift).cos * r.cos, r.before(shift).cos * i.cos);
+        [off, 2.0 * k * forth, 2.0 * k * back]
     }
 
     /// Intervals of `theta_r`, rad, outside of which the lobe from `theta_i`, rad, is below 1e-20

@@ -1,10 +1,10 @@
 use crate::balance::{Balance, BalancePoint};
 use crate::circle::wrapped;
-use crate::direction::{azimuth, azimuth_change, inclination, turned};
+use crate::direction::{azimuth_change, inclination, turned};
 use crate::draw::{MOST_TRIES, choose};
 use crate::energy::EnergyTable;
 use crate::longitudinal::Inclination;
-use crate::offsets::{MeanEnergies, OffsetDraws, OffsetTable};
+use crate::offsets::OffsetTable;
 use crate::scatterer::{FiberOutline, Rays, Scatterer, cos2_half_difference};
 use crate::{
     Arrival, FiberBsdf, FiberOptics, LOBES, ScatteredRay, Scattering, ScatteringError,
@@ -40,7 +40,8 @@ use std::f64::consts::{PI, TAU};
 pub struct NearField {
     scatterer: Scatterer,
     balance: Balance,
-    draws: OffsetDraws,
+    /// For a circle.
+    offsets: Option<OffsetTable>,
 }
 
 /// What an evaluation needs of both directions.
@@ -48,8 +49,6 @@ struct ScatteringPair {
     /// Lobes times their scale, over inclinations.
     lobes: [f64; 4],
     rays: Rays,
-    /// Squared cosine of `theta_d`.
-    cos2: f64,
     balance: BalancePoint,
 }
 
@@ -62,14 +61,10 @@ impl NearField {
     /// ellipse.
     pub fn new(optics: FiberOptics, section: &Section) -> Result<Self, ScatteringError> {
         let scatterer = Scatterer::new(optics, FiberOutline::of(section)?)?;
-        let energies = EnergyTable::new(&scatterer);
-        let balance = Balance::new(&scatterer, &energies);
-        let draws = if scatterer.outline == FiberOutline::Circle {
-            OffsetDraws::Circle(OffsetTable::new(&scatterer, &balance))
-        } else {
-            OffsetDraws::Ellipse(MeanEnergies::new(&energies))
-        };
-        Ok(Self { scatterer, balance, draws })
+        let balance = Balance::new(&scatterer, &EnergyTable::new(&scatterer));
+        let round = scatterer.outline == FiberOutline::Circle;
+        let offsets = round.then(|| OffsetTable::new(&scatterer, &balance));
+        Ok(Self { scatterer, balance, offsets })
     }
 
     /// What the fibre scatters of the light that it receives under the inclination `theta`, rad,
@@ -84,12 +79,12 @@ impl NearField {
         let balance = self.balance.at(r);
         let scale = arrival.balance.scale.min(balance.scale);
         let lobes = SymmetricLobe::all(&self.scatterer.lobes, i, r).map(|lobe| scale * lobe);
-        ScatteringPair { lobes, rays, cos2: cos2_half_difference(i, r), balance }
+        ScatteringPair { lobes, rays, balance }
     }
 
     fn rays(&self, arrival: &Arrival, cos2: f64) -> Rays {
         let cone = self.scatterer.cone(cos2);
-        self.scatterer.rays(cone, || azimuth(&arrival.from), &arrival.offset)
+        self.scatterer.rays(cone, &arrival.from, &arrival.offset)
     }
 
     /// The rays by which lobes to the inclination `r` are attenuated.
@@ -111,7 +106,7 @@ impl NearField {
         [x, y, z, later, self.balance.lobe(&arrival.balance, &pair.balance)]
     }
 
-    /// One try to draw an inclination, if it is accepted.
+    /// One try to draw a lobe and an inclination for a circle, if they are accepted.
     fn attempt(
         &self,
         arrival: &Arrival,
@@ -131,13 +126,14 @@ impl NearField {
             return None;
         }
         let rays = self.rays_to(arrival, &r);
-        let energy = match &self.draws {
-            OffsetDraws::Circle(_) => rays.energy[p].mean(),
-            OffsetDraws::Ellipse(means) => {
-                arrival.ratios[p] * means.at(cos2_half_difference(i, &r))[p]
-            }
-        };
-        (energy * kept >= most * arrival.chances[p]).then_some((p, r, rays))
+        (rays.energy[p].mean() * kept >= most * arrival.chances[p]).then_some((p, r, rays))
+    }
+
+    /// Density of the inclination `r` among samples of an ellipse, over `cos^2 theta d theta`.
+    fn density(&self, arrival: &Arrival, pair: &ScatteringPair, r: &Inclination) -> f64 {
+        let proposal = |p: usize| self.scatterer.lobes[p].proposal(&arrival.inclination, r);
+        let lobes = [0, 1, 2, 3].map(|p| arrival.chances[p] * proposal(p));
+        lobes.iter().sum::<f64>() + arrival.chances[4] * self.balance.density(&pair.balance)
     }
 
     /// Chances of the lobes once both inclinations are known, not yet of sum 1.
@@ -152,18 +148,16 @@ impl NearField {
         arrival: &Arrival,
         pair: &ScatteringPair,
         change: f64,
-        cos: f64,
+        r: &Inclination,
     ) -> Scattering {
         let value: Vector3<f64> = self.parts(arrival, pair, change).iter().sum();
-        let mut pdf = value.mean() * cos / arrival.albedo;
-        if let OffsetDraws::Ellipse(means) = &self.draws {
-            // Inclinations are drawn by the mean energies, the rest by the rays.
-            let shares = self.shares(arrival, pair);
-            let (sum, mean) = (shares.iter().sum::<f64>(), means.at(pair.cos2));
-            let lobes = [0, 1, 2, 3].map(|p| arrival.ratios[p] * mean[p] * pair.lobes[p]);
-            let drawn = lobes.iter().sum::<f64>() + shares[4];
-            pdf *= if sum > 0.0 { drawn / sum } else { 0.0 };
-        }
+        let density = if self.offsets.is_some() {
+            arrival.albedo.recip()
+        } else {
+            self.density(arrival, pair, r) / self.shares(arrival, pair).iter().sum::<f64>()
+        };
+        // Where nothing is scattered, the density may be no number.
+        let pdf = if value.mean() > 0.0 { value.mean() * r.cos * density } else { 0.0 };
         Scattering { value, pdf }.or_none()
     }
 }
@@ -174,23 +168,18 @@ impl FiberBsdf for NearField {
         let i = arrival.inclination;
         arrival.balance = self.balance.at(&i);
         let cos2 = i.cos * i.cos;
-        let bounds = match &self.draws {
-            OffsetDraws::Circle(table) => {
-                arrival.albedo = table.albedo(arrival.offset.h, &i);
-                table.bounds.at_offset(cos2, arrival.offset.h)
-            }
-            OffsetDraws::Ellipse(means) => {
-                let (own, mean) = (self.rays(&arrival, cos2).energy, means.at(cos2));
-                let ratio = |p: usize| if mean[p] > 0.0 { own[p].mean() / mean[p] } else { 0.0 };
-                arrival.ratios = [0, 1, 2, 3].map(ratio);
-                let (lobes, bounds) = (self.balance.lobes(&i), means.bounds(&i));
-                let lobes = [0, 1, 2, 3].map(|p| lobes[p] * arrival.ratios[p]);
-                arrival.albedo = self.balance.last(&arrival.balance) + lobes.iter().sum::<f64>();
-                [0, 1, 2, 3].map(|p| bounds[p] * arrival.ratios[p])
-            }
-        };
-        let [a, b, c, d] = bounds.map(|bound| bound * arrival.balance.scale);
-        arrival.chances = [a, b, c, d, self.balance.chance(&arrival.balance)];
+        if let Some(table) = &self.offsets {
+            arrival.albedo = table.albedo(arrival.offset.h, &i);
+            let bounds = table.bounds.at_offset(cos2, arrival.offset.h);
+            let [a, b, c, d] = bounds.map(|bound| bound * arrival.balance.scale);
+            arrival.chances = [a, b, c, d, self.balance.chance(&arrival.balance)];
+        } else {
+            let (rays, kept) = (self.rays(&arrival, cos2), self.balance.kept(&i));
+            let [a, b, c, d] = [0, 1, 2, 3].map(|p| rays.energy[p].mean() * kept[p]);
+            let chances = [a, b, c, d, self.balance.last(&arrival.balance)];
+            let sum: f64 = chances.iter().sum();
+            arrival.chances = chances.map(|chance| if sum > 0.0 { chance / sum } else { 0.0 });
+        }
         arrival
     }
 
@@ -203,7 +192,7 @@ impl FiberBsdf for NearField {
     fn evaluate(&self, arrival: &Arrival, to: &Vector3<f64>) -> Scattering {
         let r = inclination(to);
         let pair = self.pair(arrival, &r, self.rays_to(arrival, &r));
-        self.scattering(arrival, &pair, azimuth_change(&arrival.from, to), r.cos)
+        self.scattering(arrival, &pair, azimuth_change(&arrival.from, to), &r)
     }
 
     /// The inclination is drawn from the lobes as they are attenuated at that of `from`; then, both
@@ -211,17 +200,23 @@ impl FiberBsdf for NearField {
     /// closed form, and weights differ from the albedo only as far as lobes do in width and tilt:
     /// by a standard deviation of 1 % in level light and 7 % at 60 degrees in usual white hair.
     fn sample(&self, arrival: &Arrival, random: &mut dyn FnMut() -> f64) -> Option<ScatteredRay> {
-        let (p, r, rays) = (0..MOST_TRIES).find_map(|_| self.attempt(arrival, random))?;
-        let pair = self.pair(arrival, &r, rays);
-        let p = match &self.draws {
-            OffsetDraws::Circle(_) => p,
-            OffsetDraws::Ellipse(_) => choose(&self.shares(arrival, &pair), random())?,
+        let (p, r, pair) = if self.offsets.is_some() {
+            let tries = (0..MOST_TRIES).find_map(|_| self.attempt(arrival, random));
+            let (p, r, rays) = tries?;
+            (p, r, self.pair(arrival, &r, rays))
+        } else {
+            let r = match choose(&arrival.chances, random())? {
+                4 => self.balance.draw(random),
+                p => self.scatterer.lobes[p].draw(&arrival.inclination, random),
+            };
+            let pair = self.pair(arrival, &r, self.rays_to(arrival, &r));
+            (choose(&self.shares(arrival, &pair), random())?, r, pair)
         };
         let change = match pair.rays.azimuth.get(p) {
             Some(of) => wrapped(of + self.scatterer.azimuthal.quantile(random())),
             None => PI * (2.0 * random() - 1.0),
         };
         let to = turned(&arrival.from, change, &r);
-        self.scattering(arrival, &pair, change, r.cos).sampled(to, r.cos)
+        self.scattering(arrival, &pair, change, &r).sampled(to, r.cos)
     }
 }

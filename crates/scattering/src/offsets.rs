@@ -1,22 +1,11 @@
 use crate::balance::{Balance, place};
-use crate::energy::EnergyTable;
 use crate::grid::{cell, nodes};
 use crate::longitudinal::Inclination;
 use crate::scatterer::{Offset, Scatterer, cos2_half_difference, half_tangent};
 use crate::strata::StratumBounds;
+use nalgebra::Vector3;
 use rapunzel_fiber::quadrature::gauss_legendre;
 use rayon::prelude::*;
-
-/// What samples of the near field are drawn by.
-#[derive(Debug, Clone)]
-pub(crate) enum OffsetDraws {
-    /// The lobes with the energies of their rays: samples weigh the albedo at their offset.
-    Circle(OffsetTable),
-    /// Total reflection makes edges in the energies of an ellipse, and no table has their sums to
-    /// 1e-4. So the mean energies stand for them, times what the ray at the inclination of the
-    /// arrival has more or less than the mean.
-    Ellipse(MeanEnergies),
-}
 
 /// What a round fibre scatters under one inclination at one offset, and bounds of what it can: the
 /// mean of the colors, linear between nodes.
@@ -27,10 +16,10 @@ pub(crate) struct OffsetTable {
     pub(crate) bounds: StratumBounds,
 }
 
-const INCLINATIONS: u32 = 1440;
-const OFFSETS: u32 = 192;
+const INCLINATIONS: u32 = 720;
+const OFFSETS: u32 = 160;
 /// Of `theta_d`.
-const DIFFERENCES: u32 = 512;
+const DIFFERENCES: u32 = 384;
 
 impl OffsetTable {
     /// The table of a fibre whose lobes are balanced so.
@@ -42,7 +31,7 @@ impl OffsetTable {
         let energies = |t: f64| {
             let cos = (1.0 - t * t) / (1.0 + t * t);
             let cone = scatterer.cone(cos * cos);
-            let rays = offsets.iter().map(|h| scatterer.rays(cone, || 0.0, h).energy);
+            let rays = offsets.iter().map(|h| scatterer.rays(cone, &Vector3::x(), h).energy);
             let means: Vec<_> = rays.map(|energy| energy.map(|e| e.mean())).collect();
             [0, 1, 2, 3].map(|p| means.iter().map(|mean| mean[p]).collect())
         };
@@ -86,37 +75,4 @@ fn row(
         sums.iter_mut().zip(ends).for_each(|(sum, (x, y))| *sum += a * x + b * y);
     });
     sums
-}
-
-/// Energies of the lobes over all offsets and azimuths by `theta_d`, the mean of the colors, and the
-/// largest of each up to there.
-#[derive(Debug, Clone)]
-pub(crate) struct MeanEnergies {
-    nodes: Vec<[[f64; 4]; 2]>,
-}
-
-impl MeanEnergies {
-    pub(crate) fn new(energies: &EnergyTable) -> Self {
-        let mut most = [0.0; 4];
-        let node = |node: &crate::energy::LobeEnergies| {
-            let mean = node.absorbed.map(|energy| energy.mean());
-            (0..4).for_each(|p| most[p] = f64::max(most[p], mean[p]));
-            [mean, most]
-        };
-        Self { nodes: energies.nodes.iter().map(node).collect() }
-    }
-
-    /// The energies of lobes attenuated at the inclination of this squared cosine.
-    pub(crate) fn at(&self, cos2: f64) -> [f64; 4] {
-        let (k, part) = cell(half_tangent(cos2), self.nodes.len() - 1);
-        let ([a, _], [b, _]) = (self.nodes[k], self.nodes[k + 1]);
-        [0, 1, 2, 3].map(|p| a[p] + (b[p] - a[p]) * part)
-    }
-
-    /// Bounds of the energies of all lobes from the inclination `i`.
-    pub(crate) fn bounds(&self, i: &Inclination) -> [f64; 4] {
-        // |theta_d| is at most 45 degrees and half of the inclination.
-        let steepest = half_tangent(0.5 * (1.0 - i.sin.abs()));
-        self.nodes[cell(steepest, self.nodes.len() - 1).0 + 1][1]
-    }
 }

@@ -1,11 +1,12 @@
 use crate::circle::CirclePaths;
+use crate::direction::flat;
 use crate::ellipse::EllipseOutline;
 use crate::exponential::exponentials;
 use crate::longitudinal::{Inclination, SymmetricLobe};
 use crate::refraction::{Cone, cosine};
 use crate::roughness::Logistic;
 use crate::{FiberOptics, OrderShares, Polarization, ScatteringError};
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 use rapunzel_fiber::Section;
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -78,8 +79,8 @@ impl Scatterer {
         Cone::new(self.optics.refractive_index, cos2)
     }
 
-    /// The rays at the offset `h` to light from the azimuth `phi`, rad, on the cone.
-    pub(crate) fn rays(&self, cone: Cone, phi: impl Fn() -> f64, h: &Offset) -> Rays {
+    /// The rays at the offset `h` to light from the direction `from`, on the cone.
+    pub(crate) fn rays(&self, cone: Cone, from: &Vector3<f64>, h: &Offset) -> Rays {
         let sigma = &self.optics.absorption;
         match &self.outline {
             FiberOutline::Circle => {
@@ -90,7 +91,7 @@ impl Scatterer {
                 Rays { azimuth: [-h.turn, turn - h.turn + PI, 2.0 * turn - h.turn], energy }
             }
             FiberOutline::Ellipse(ellipse) => {
-                let ray = ellipse.trace(&cone, phi(), h.h);
+                let ray = ellipse.trace(&cone, flat(from), h.h);
                 Rays { azimuth: ray.azimuth, energy: ray.absorbed(sigma) }
             }
         }
@@ -127,7 +128,7 @@ impl Scatterer {
                 [shares.absorbed(&t), shares.absorbed(&Vector3::repeat(1.0))]
             }
             FiberOutline::Ellipse(ellipse) => {
-                let ray = ellipse.trace(&cone, phi, h);
+                let ray = ellipse.trace(&cone, Vector2::new(phi.cos(), phi.sin()), h);
                 [ray.absorbed(&self.optics.absorption), ray.absorbed(&Vector3::zeros())]
             }
         }
@@ -135,7 +136,7 @@ impl Scatterer {
 }
 
 /// What a path of the length `l` radii transmits (thesis (6.9)).
-fn transmitted(sigma: &Vector3<f64>, l: f64) -> Vector3<f64> {
+pub(crate) fn transmitted(sigma: &Vector3<f64>, l: f64) -> Vector3<f64> {
     if *sigma == Vector3::zeros() {
         return Vector3::repeat(1.0);
     }

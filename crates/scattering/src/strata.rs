@@ -109,7 +109,8 @@ mod tests {
                     let d = f64::from(step) / 89.0 * (0.5 * theta + 0.25 * std::f64::consts::PI);
                     for stratum in 0..STRATA {
                         let h = Offset::of((stratum as f64 + 0.5) / STRATA as f64);
-                        let rays = scatterer.rays(scatterer.cone(d.cos().powi(2)), || 0.0, &h);
+                        let rays =
+                            scatterer.rays(scatterer.cone(d.cos().powi(2)), &Vector3::x(), &h);
                         for p in 0..4 {
                             assert!(rays.energy[p].mean() <= bounds[p][stratum], "{p} {h:?} {d}");
                         }
