@@ -25,8 +25,8 @@ use std::f64::consts::{PI, TAU};
 /// of each is the albedo.
 ///
 /// Building costs some 0.15 s and 3 MB at an azimuthal roughness of 0.3, and grows as the square of
-/// its inverse; an evaluation a third of a microsecond, a sample four times that, without
-/// allocation.
+/// its inverse; an evaluation a quarter of a microsecond, a sample four times that,
+/// without allocation.
 #[derive(Debug, Clone)]
 pub struct FarField {
     scatterer: Scatterer,

@@ -7,8 +7,8 @@ use nalgebra::Vector3;
 use rapunzel_fiber::quadrature::gauss_legendre;
 use rayon::prelude::*;
 
-/// What a round fibre scatters under one inclination at one offset, and bounds of what it can: the
-/// mean of the colors, linear between nodes.
+/// What a round fibre scatters under one inclination at one offset, and bounds of the energies of
+/// its lobes: the mean of the colors, linear between nodes.
 #[derive(Debug, Clone)]
 pub(crate) struct OffsetTable {
     /// Rows by the inclination of columns by the offset.
