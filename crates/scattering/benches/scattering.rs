@@ -8,7 +8,9 @@ use common::{direction, random};
 use criterion::{BatchSize, Criterion, criterion_group, criterion_main};
 use nalgebra::Vector3;
 use rapunzel_fiber::Section;
-use rapunzel_scattering::{Arrival, FarField, FiberBsdf, FiberOptics, NearField, Pigments};
+use rapunzel_scattering::{
+    Arrival, ChiangField, FarField, FiberBsdf, FiberOptics, NearField, Pigments,
+};
 use std::f64::consts::TAU;
 use std::hint::black_box;
 
@@ -55,6 +57,7 @@ fn scattering(c: &mut Criterion) {
     hits(c, "near", &NearField::new(blond, &circle).expect("a fibre"));
     hits(c, "near, ellipse", &NearField::new(blond, &ellipse).expect("a fibre"));
     hits(c, "far", &FarField::new(blond).expect("a fibre"));
+    hits(c, "chiang", &ChiangField::new(blond).expect("a fibre"));
     hits(c, "far, black", &FarField::new(optics(Pigments::BLACK)).expect("a fibre"));
     let mut group = c.benchmark_group("scattering");
     group.sample_size(10);

@@ -31,14 +31,22 @@ impl OrderShares {
     /// Shares at the offset `h` of a circle (thesis (6.7), (6.8)).
     #[must_use]
     pub fn new(paths: &CirclePaths, h: f64, polarization: Polarization) -> Self {
-        let [cos_i, cos_t] = paths.cosines(h);
+        Self::at(paths.cone(), h, paths.cosines(h), polarization)
+    }
+
+    pub(crate) fn at(
+        cone: &Cone,
+        h: f64,
+        [cos_i, cos_t]: [f64; 2],
+        polarization: Polarization,
+    ) -> Self {
         match polarization {
             Polarization::Averaged => {
-                let f = paths.cone().reflectance(cos_i, cos_t);
+                let f = cone.reflectance(cos_i, cos_t);
                 let (t, later) = ((1.0 - f) * (1.0 - f), (1.0 - f) * f * f);
                 Self { first: [f, t, t * f], later, ratio: f }
             }
-            Polarization::Tracked => tracked(paths.cone(), h, cos_i, cos_t),
+            Polarization::Tracked => tracked(cone, h, cos_i, cos_t),
         }
     }
 
@@ -49,7 +57,7 @@ impl OrderShares {
         let [r, tt, trt] = self.first;
         let later = |t: f64| {
             let lost = 1.0 - self.ratio;
-            self.later * t.powi(3) * if lost > 0.0 { lost / (1.0 - self.ratio * t) } else { 1.0 }
+            self.later * (t * t * t) * if lost > 0.0 { lost / (1.0 - self.ratio * t) } else { 1.0 }
         };
         [Vector3::repeat(r), t * tt, t.component_mul(t) * trt, t.map(later)]
     }

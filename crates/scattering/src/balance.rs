@@ -1,4 +1,4 @@
-use crate::draw::{MOST_TRIES, semicircle};
+use crate::draw::MOST_TRIES;
 use crate::energy::EnergyTable;
 use crate::grid::{cell, nodes};
 use crate::longitudinal::Inclination;
@@ -6,7 +6,7 @@ use crate::scatterer::{Scatterer, cos2_half_difference, half_tangent};
 use nalgebra::Vector3;
 use rapunzel_fiber::quadrature::gauss_legendre;
 use rayon::prelude::*;
-use std::f64::consts::{FRAC_PI_2, TAU};
+use std::f64::consts::TAU;
 
 /// What keeps the energy of all lobes together at 1.
 ///
@@ -25,9 +25,12 @@ pub(crate) struct Balance {
     total: f64,
     /// `1 / (2 pi total)`.
     height: f64,
-    largest: f64,
+    /// Sums of bounds over the cells, by which the last lobe is drawn.
+    bounds: Vec<f64>,
+    /// Upper bound of `g / rho`.
+    most: Vector3<f64>,
     /// Integral of `g cos^2 theta`, over `total`.
-    pub(crate) tint: Vector3<f64>,
+    tint: Vector3<f64>,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -81,9 +84,18 @@ impl Balance {
             let tinted = whole.map(|a| lack * a.clamp(0.0, 1.0).sqrt());
             BalanceNode { scale: *scale, lack, tinted, albedo, kept }
         };
+        let whole = energies.nodes.iter().map(|n| n.absorbed.iter().sum::<Vector3<f64>>());
+        let most = whole.fold(Vector3::zeros(), |most: Vector3<f64>, whole| most.sup(&whole));
+        let most = most.map(|a| a.clamp(0.0, 1.0).sqrt());
         let nodes: Vec<BalanceNode> = at.iter().zip(&scaled).zip(&scales).map(node).collect();
-        let mut balance =
-            Self { nodes, total: 0.0, height: 0.0, largest: 0.0, tint: Vector3::zeros() };
+        let mut balance = Self {
+            nodes,
+            most,
+            total: 0.0,
+            height: 0.0,
+            bounds: Vec::new(),
+            tint: Vector3::zeros(),
+        };
         balance.close(&at);
         balance
     }
@@ -96,14 +108,17 @@ impl Balance {
             for [x, weight] in &pair {
                 let part = 0.5 * (1.0 + x);
                 let t = ends[0] + part * (ends[1] - ends[0]);
-                // d theta = 2 dt / (1 + t^2).
-                let cos = (1.0 - t * t) / (1.0 + t * t);
-                let measure = weight * (ends[1] - ends[0]) / (1.0 + t * t) * cos * cos;
+                let measure = 0.5 * weight * (ends[1] - ends[0]) * measure(t);
                 total += measure * (nodes[0].lack + part * (nodes[1].lack - nodes[0].lack));
                 tint += (nodes[0].tinted + (nodes[1].tinted - nodes[0].tinted) * part) * measure;
             }
         }
-        self.largest = self.nodes.iter().fold(0.0, |most: f64, node| most.max(node.lack));
+        let mut sum = 0.0;
+        let bound = |cell: usize| {
+            sum += self.bound(cell);
+            sum
+        };
+        self.bounds = (0..self.nodes.len() - 1).map(bound).collect();
         if total > 0.0 {
             (self.total, self.height, self.tint) = (total, 1.0 / (TAU * total), tint / total);
         }
@@ -135,6 +150,11 @@ impl Balance {
         [0, 1, 2, 3].map(|p| n[0].kept[p] + (n[1].kept[p] - n[0].kept[p]) * part)
     }
 
+    /// What the last lobe scatters, the mean of the colors.
+    pub(crate) fn last(&self, i: &BalancePoint) -> f64 {
+        i.tinted.dot(&self.tint) / 3.0
+    }
+
     /// The last lobe, per sr.
     pub(crate) fn lobe(&self, i: &BalancePoint, r: &BalancePoint) -> Vector3<f64> {
         if self.total > 0.0 {
@@ -144,27 +164,65 @@ impl Balance {
         }
     }
 
+    /// Chance of a try by [`Self::try_draw`], at least what the last lobe scatters of light from
+    /// `i`: the mean of the colors.
+    pub(crate) fn chance(&self, i: &BalancePoint) -> f64 {
+        i.tinted.dot(&self.most) / 3.0
+    }
+
+    /// An inclination drawn by the last lobe in light from `i`, unless it is refused.
+    pub(crate) fn try_draw(
+        &self,
+        i: &BalancePoint,
+        random: &mut dyn FnMut() -> f64,
+    ) -> Option<Inclination> {
+        let drawn = self.draw(random);
+        let r = self.at(&drawn);
+        let accepted = i.tinted.dot(&r.tinted) >= random() * i.tinted.dot(&self.most) * r.lack;
+        accepted.then_some(drawn)
+    }
+
     /// Density by which [`Self::draw`] draws, over `cos^2 theta d theta`.
     pub(crate) fn density(&self, r: &BalancePoint) -> f64 {
         if self.total > 0.0 { r.lack / self.total } else { 0.0 }
     }
 
-    /// An inclination drawn by the lack of energy.
+    /// An inclination drawn by the lack of energy: a cell by its bound, then a place in it.
     pub(crate) fn draw(&self, random: &mut dyn FnMut() -> f64) -> Inclination {
-        let mut sin = 0.0;
+        let cells = self.nodes.len() - 1;
+        let whole = self.bounds.last().map_or(0.0, |last| *last);
+        let mut t = 0.0;
         for _ in 0..MOST_TRIES {
-            sin = semicircle(random).clamp(-1.0, 1.0);
-            let cos = f64::sqrt(1.0 - sin * sin);
-            if random() * self.largest <= self.at(&Inclination { sin, cos }).lack {
+            let u = whole * random();
+            let cell = self.bounds.partition_point(|sum| *sum <= u).min(cells - 1);
+            let part = random();
+            t = 2.0 * (cell as f64 + part) / cells as f64 - 1.0;
+            let lack = self.nodes[cell].lack * (1.0 - part) + self.nodes[cell + 1].lack * part;
+            if random() * self.bound(cell) <= lack * measure(t) {
                 break;
             }
         }
-        Inclination { sin, cos: (1.0 - sin * sin).sqrt() }
+        let square = 1.0 + t * t;
+        Inclination { sin: 2.0 * t / square, cos: (1.0 - t * t).max(0.0) / square }
+    }
+
+    /// Upper bound of the lack of energy times the measure in a cell.
+    fn bound(&self, cell: usize) -> f64 {
+        let cells = self.nodes.len() - 1;
+        let end = |k: usize| 2.0 * k as f64 / cells as f64 - 1.0;
+        let nearest = end(cell).max(-end(cell + 1)).max(0.0);
+        self.nodes[cell].lack.max(self.nodes[cell + 1].lack) * measure(nearest)
     }
 }
 
+/// `cos^2 theta d theta / dt`, where `t` is `tan(theta / 2)`.
+fn measure(t: f64) -> f64 {
+    let square = 1.0 + t * t;
+    2.0 * (1.0 - t * t) * (1.0 - t * t) / (square * square * square)
+}
+
 /// The cell of the nodes where an inclination lies, and where in it.
-fn place(i: &Inclination, cells: usize) -> (usize, f64) {
+pub(crate) fn place(i: &Inclination, cells: usize) -> (usize, f64) {
     cell(0.5 + 0.5 * i.sin / (1.0 + i.cos), cells)
 }
 
@@ -182,20 +240,13 @@ fn lobes_energy(
     rule: &[[f64; 2]],
     scale: &dyn Fn(&Inclination) -> f64,
 ) -> LobeSums {
-    let theta_i = theta_i.clamp(-FRAC_PI_2, FRAC_PI_2);
     let i = Inclination::of(theta_i);
     let (mut sums, own) = (LobeSums::default(), scale(&i));
-    for (p, lobe) in scatterer.lobes.iter().enumerate() {
-        for [low, high] in lobe.support(theta_i) {
-            for [x, weight] in rule {
-                let r = Inclination::of(low + 0.5 * (1.0 + x) * (high - low));
-                let energy = energies.at(half_tangent(cos2_half_difference(&i, &r)));
-                let measure = 0.5 * weight * (high - low) * r.cos * r.cos;
-                let measure = measure * lobe.at(&i, &r) * own.min(scale(&r));
-                sums.clear += energy.clear[p] * measure;
-                sums.absorbed[p] += energy.absorbed[p] * measure;
-            }
-        }
-    }
+    scatterer.over_ends(theta_i, rule, |p, r, measure| {
+        let energy = energies.at(half_tangent(cos2_half_difference(&i, r)));
+        let measure = measure * own.min(scale(r));
+        sums.clear += energy.clear[p] * measure;
+        sums.absorbed[p] += energy.absorbed[p] * measure;
+    });
     sums
 }

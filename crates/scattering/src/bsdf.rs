@@ -1,6 +1,7 @@
 use crate::balance::BalancePoint;
 use crate::direction::inclination;
 use crate::longitudinal::Inclination;
+use crate::scatterer::{Offset, Rays};
 use nalgebra::Vector3;
 
 /// Number of parts that a model tells apart: R, TT, TRT, all later orders, and what keeps the
@@ -37,11 +38,15 @@ pub trait FiberBsdf {
 /// A path that has arrived at a fibre: where from, and what a model keeps of that.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Arrival {
-    pub(crate) offset: f64,
+    pub(crate) offset: Offset,
     pub(crate) from: Vector3<f64>,
     pub(crate) inclination: Inclination,
     /// The balance of energy there, where a model keeps one.
     pub(crate) balance: BalancePoint,
+    /// What is scattered of the light, the mean of the colors, where samples have that weight.
+    pub(crate) albedo: f64,
+    /// The rays, where a model attenuates all lobes at the inclination of `from`.
+    pub(crate) rays: Rays,
     /// Chances of the lobes at the inclination of `from`, as each model uses them.
     pub(crate) chances: [f64; LOBES],
 }
@@ -49,8 +54,11 @@ pub struct Arrival {
 impl Arrival {
     /// An arrival of which nothing is prepared.
     pub(crate) fn new(offset: f64, from: &Vector3<f64>) -> Self {
+        let offset = Offset::of(offset);
         let (inclination, balance) = (inclination(from), BalancePoint::default());
-        Self { offset, from: *from, inclination, balance, chances: [0.0; LOBES] }
+        let (albedo, rays) = (0.0, Rays::default());
+        let chances = [0.0; LOBES];
+        Self { offset, from: *from, inclination, balance, albedo, rays, chances }
     }
 }
 

@@ -1,5 +1,3 @@
-use std::f64::consts::TAU;
-
 /// Tries of a draw after which the last is taken: where each is refused with a chance below 0.9,
 /// that happens once in 1e45.
 pub(crate) const MOST_TRIES: u32 = 1000;
@@ -7,8 +5,15 @@ pub(crate) const MOST_TRIES: u32 = 1000;
 /// A number in `[-1, 1]` with the density `2 sqrt(1 - x^2) / pi`: a coordinate of a point in the
 /// disc, and the sine of an inclination drawn evenly by `cos^2 theta d theta`.
 pub(crate) fn semicircle(random: &mut dyn FnMut() -> f64) -> f64 {
-    let radius = random().sqrt();
-    radius * (TAU * random()).cos()
+    let mut x = 0.0;
+    for _ in 0..MOST_TRIES {
+        x = 2.0 * random() - 1.0;
+        let y = 2.0 * random() - 1.0;
+        if x * x + y * y < 1.0 {
+            break;
+        }
+    }
+    x
 }
 
 /// An index drawn by weights, by a number `u` in `[0, 1)`; `None` if no weight is positive.

@@ -1,5 +1,6 @@
 use crate::circle::wrapped;
 use crate::refraction::{Cone, check_index, cosine};
+use crate::scatterer::transmitted;
 use crate::{BravaisIndices, Caustic, ScatteringError};
 use nalgebra::{Vector2, Vector3};
 use rapunzel_fiber::Section;
@@ -45,7 +46,7 @@ impl EllipsePaths {
     /// direction to the light. No allocation; about 0.1 us.
     #[must_use]
     pub fn trace(&self, phi: f64, h: f64) -> TracedRay {
-        self.outline.trace(&self.cone, phi, h)
+        self.outline.trace(&self.cone, Vector2::new(phi.cos(), phi.sin()), h)
     }
 
     /// The caustics of TRT in light from the azimuth `phi`, rad, on both sides, by rising offset.
@@ -118,8 +119,8 @@ impl EllipseOutline {
         at.component_mul(&self.form).normalize()
     }
 
-    pub(crate) fn trace(&self, cone: &Cone, phi: f64, h: f64) -> TracedRay {
-        let to_light = Vector2::new(phi.cos(), phi.sin());
+    /// The ray in light from the direction `to_light`, of unit length.
+    pub(crate) fn trace(&self, cone: &Cone, to_light: Vector2<f64>, h: f64) -> TracedRay {
         let side = Vector2::new(to_light.y, -to_light.x)
             * (h.clamp(-1.0, 1.0) * self.half_width(&to_light));
         // First hit: the farther root of |side + t to_light| in the norm of the ellipse.
@@ -167,10 +168,9 @@ impl TracedRay {
     /// What of each order leaves where the absorption is `sigma` per radius: `A exp(-sigma l)`. The
     /// later orders are taken to go on as from TT to TRT.
     pub(crate) fn absorbed(&self, sigma: &Vector3<f64>) -> [Vector3<f64>; 4] {
-        let passed = |p: usize| sigma.map(|s| (-s * self.length[p]).exp());
-        let (tt, trt) = (passed(1), passed(2));
-        let third =
-            trt.zip_map(&sigma.map(|s| -s * (self.length[2] - self.length[1])), |t, e| t * e.exp());
+        let [_, first, second] = self.length;
+        let (tt, trt) = (transmitted(sigma, first), transmitted(sigma, second));
+        let third = transmitted(sigma, 2.0 * second - first);
         let [_, a, b] = self.share;
         [Vector3::repeat(self.share[0]), tt * a, trt * b, third * self.later]
     }

@@ -1,7 +1,7 @@
 use crate::circle::CirclePaths;
 use crate::energy::EnergyTable;
 use crate::grid::{cell, count};
-use crate::scatterer::Scatterer;
+use crate::scatterer::{Offset, Scatterer};
 use nalgebra::Vector3;
 use rapunzel_fiber::quadrature::gauss_legendre;
 use rayon::prelude::*;
@@ -76,7 +76,8 @@ fn row(scatterer: &Scatterer, t: f64, azimuths: u32, rule: &[[f64; 2]]) -> Vec<N
         let (h, width) = (0.5 * FRAC_PI_2 * (1.0 + x)).sin_cos();
         // The rays at h and -h are mirror images; half of 1/2 dh each.
         let share = 0.5 * weight * width * 0.5 * FRAC_PI_2;
-        let [r, tt, trt, _] = scatterer.rays(cone, || 0.0, h).energy.map(|e| e * share);
+        let [r, tt, trt, _] =
+            scatterer.rays(cone, &Vector3::x(), &Offset::of(h)).energy.map(|e| e * share);
         for (p, azimuth) in paths.azimuths(h).into_iter().enumerate() {
             let add = |node: &mut NormalScattering, density: f64| match p {
                 0 => node.r += density * r.x,

@@ -1,7 +1,8 @@
 use crate::ScatteringError;
-use crate::bessel::scaled_bessel;
+use crate::bessel::{scaled_bessel, scaled_bessel_0};
 use crate::draw::{MOST_TRIES, semicircle};
 use crate::error::check;
+use crate::exponential::exponentials;
 use std::f64::consts::{PI, TAU};
 
 /// The normal distribution of `x`, rad, with the standard deviation `beta`, rad: (6.13) of the
@@ -33,11 +34,20 @@ pub fn deon(v: f64, theta_i: f64, theta_r: f64) -> Result<f64, ScatteringError> 
     Ok(spherical(v, &Inclination::of(theta_i), &Inclination::of(theta_r)))
 }
 
-pub(crate) fn spherical(v: f64, i: &Inclination, r: &Inclination) -> f64 {
-    let (a, b) = (i.sin * r.sin, i.cos * r.cos);
-    // exp(-a/v) I0(b/v) / (2 v sinh(1/v)), each with its own exponential taken out.
-    let exponent = (b.abs() - a - 1.0) / v;
-    exponent.exp() * scaled_bessel(0, b.abs() / v) / (v * -(-2.0 / v).exp_m1())
+fn spherical(v: f64, i: &Inclination, r: &Inclination) -> f64 {
+    let [exponent, argument] = spherical_exponents(v.recip(), i, r);
+    exponent.exp() * scaled_bessel_0(argument) * spherical_height(v)
+}
+
+/// `exp(-a / v) I0(b / v) / (2 v sinh(1 / v))`, each with its own exponential taken out: what is
+/// left in the exponent, and the argument of the Bessel function.
+pub(crate) fn spherical_exponents(k: f64, i: &Inclination, r: &Inclination) -> [f64; 2] {
+    let (a, b) = (i.sin * r.sin, (i.cos * r.cos).abs());
+    [(b - a - 1.0) * k, b * k]
+}
+
+pub(crate) fn spherical_height(v: f64) -> f64 {
+    -1.0 / (v * (-2.0 / v).exp_m1())
 }
 
 /// Refuses a variance of a lobe that no number can carry.
@@ -125,36 +135,60 @@ impl SymmetricLobe {
         self.at(&Inclination::of(theta_i), &Inclination::of(theta_r))
     }
 
+    pub(crate) fn shift(&self) -> &Inclination {
+        &self.shift
+    }
+
     pub(crate) fn at(&self, i: &Inclination, r: &Inclination) -> f64 {
-        self.with_proposal(i, r)[0]
+        let [off, forth, back] = self.exponents(i, r);
+        self.kernel(off, forth.max(back))
     }
 
-    /// The lobe, and what it is before the rule of Metropolis, from `i` to `r`, of integral 1.
-    pub(crate) fn with_proposal(&self, i: &Inclination, r: &Inclination) -> [f64; 2] {
-        let from = i.before(&self.shift);
-        let off = self.concentration * (from.cos * r.cos - from.sin * r.sin - 1.0);
-        let (forth, back) = (from.cos * r.cos, i.cos * r.before(&self.shift).cos);
-        if off < -700.0 && forth > 0.0 {
-            return [0.0; 2];
-        }
-        let height = self.height * off.exp();
-        let forth_value = self.kernel(height, off, forth);
-        [if back > forth { self.kernel(height, off, back) } else { forth_value }, forth_value]
+    /// The lobe before the rule of Metropolis, from `i` to `r`: of integral 1.
+    pub(crate) fn proposal(&self, i: &Inclination, r: &Inclination) -> f64 {
+        let [off, forth, _] = self.exponents(i, r);
+        self.kernel(off, forth)
     }
 
-    /// `exp(off) (1 - exp(-z)) / z`, `height` being its first factor; `off` and `off - z` are at
-    /// most zero, also beyond the pole.
-    fn kernel(&self, height: f64, off: f64, b: f64) -> f64 {
-        let z = 2.0 * self.concentration * b;
-        if z > 37.0 {
-            height / z
-        } else if z < -37.0 {
-            -self.height * (off - z).exp() / z
-        } else if z.abs() < 1e-3 {
-            height * (1.0 - z * (0.5 - z * (1.0 / 6.0 - z / 24.0)))
+    /// What the rule of Metropolis leaves of that, in `[0, 1]`.
+    pub(crate) fn kept(&self, i: &Inclination, r: &Inclination) -> f64 {
+        let [_, forth, back] = self.exponents(i, r);
+        if back <= forth {
+            1.0
+        } else if forth > 37.0 {
+            forth / back
         } else {
-            height * (1.0 - (-z).exp()) / z
+            let least = forth.min(0.0);
+            self.kernel(least, back) / self.kernel(least, forth)
         }
+    }
+
+    /// Four lobes at once.
+    pub(crate) fn all(lobes: &[Self; 4], i: &Inclination, r: &Inclination) -> [f64; 4] {
+        let (mut z, mut exponents) = ([0.0; 4], [0.0; 8]);
+        for (p, lobe) in lobes.iter().enumerate() {
+            let [off, forth, back] = lobe.exponents(i, r);
+            z[p] = forth.max(back);
+            (exponents[p], exponents[4 + p]) = (off - z[p].min(0.0), -z[p].abs());
+        }
+        let e = exponentials(exponents);
+        [0, 1, 2, 3].map(|p| lobes[p].height * e[p] * mean_exponential(z[p], e[4 + p]))
+    }
+
+    /// `exp(off) (1 - exp(-z)) / z`, but for the height.
+    fn kernel(&self, off: f64, z: f64) -> f64 {
+        let [peak, end] = exponentials([off - z.min(0.0), -z.abs()]);
+        self.height * peak * mean_exponential(z, end)
+    }
+
+    /// `k (T - 1)`, at most zero, and `2 k B` for both ways; less that it is at most zero too, also
+    /// beyond the pole, where `B` is negative. All is symmetric to the last bit.
+    fn exponents(&self, i: &Inclination, r: &Inclination) -> [f64; 3] {
+        let (k, shift) = (self.concentration, &self.shift);
+        let (cos, sin) = (i.cos * r.cos - i.sin * r.sin, i.sin * r.cos + i.cos * r.sin);
+        let off = k * (cos * shift.cos + sin * shift.sin - 1.0);
+        let (forth, back) = (i.before(shift).cos * r.cos, r.before(shift).cos * i.cos);
+        [off, 2.0 * k * forth, 2.0 * k * back]
     }
 
     /// Intervals of `theta_r`, rad, outside of which the lobe from `theta_i`, rad, is below 1e-20
@@ -195,4 +229,10 @@ impl SymmetricLobe {
         let sin = sin.clamp(-1.0, 1.0);
         Inclination { sin, cos: (1.0 - sin * sin).sqrt() }
     }
+}
+
+/// `(1 - exp(-|z|)) / |z|`, where `end` is the exponential.
+fn mean_exponential(z: f64, end: f64) -> f64 {
+    let z = z.abs();
+    if z < 1e-3 { 1.0 - z * (0.5 - z * (1.0 / 6.0 - z / 24.0)) } else { (1.0 - end) / z }
 }

@@ -38,9 +38,7 @@ impl MarschnerField {
     /// Density of samples: the lobes' symmetric kin, even over azimuths.
     fn pdf(&self, arrival: &Arrival, r: &Inclination) -> f64 {
         let lobes = arrival.chances.iter().zip(&self.scatterer.lobes).take(3);
-        lobes
-            .map(|(chance, lobe)| chance * lobe.with_proposal(&arrival.inclination, r)[1])
-            .sum::<f64>()
+        lobes.map(|(chance, lobe)| chance * lobe.proposal(&arrival.inclination, r)).sum::<f64>()
             * r.cos
             / TAU
     }

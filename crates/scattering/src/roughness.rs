@@ -1,5 +1,6 @@
 use crate::ScatteringError;
 use crate::error::check;
+use crate::exponential::exponentials;
 use std::f64::consts::PI;
 
 /// Variance of the longitudinal lobe, rad^2, of a fibre of the roughness `beta` in `[0, 1]`, evenly
@@ -41,10 +42,11 @@ impl Logistic {
         Self { scale, sharpness: 1.0 / scale, below, height: 1.0 / (scale * (1.0 - 2.0 * below)) }
     }
 
-    /// Density at an angle in `[-pi, pi]`, per rad.
-    pub(crate) fn density(&self, angle: f64) -> f64 {
-        let e = (-angle.abs() * self.sharpness).exp();
-        self.height * e / ((1.0 + e) * (1.0 + e))
+    /// Densities at angles in `[-pi, pi]`, per rad.
+    pub(crate) fn densities(&self, [a, b, c]: [f64; 3]) -> [f64; 3] {
+        // Four exponentials are as quick as three.
+        let all = exponentials([a, b, c, 0.0].map(|angle| -angle.abs() * self.sharpness));
+        [0, 1, 2].map(|p| self.height * all[p] / ((1.0 + all[p]) * (1.0 + all[p])))
     }
 
     /// The angle below which the share `u`, in `[0, 1)`, lies.

@@ -1,11 +1,14 @@
 use crate::circle::CirclePaths;
+use crate::direction::flat;
 use crate::ellipse::EllipseOutline;
+use crate::exponential::exponentials;
 use crate::longitudinal::{Inclination, SymmetricLobe};
-use crate::refraction::Cone;
+use crate::refraction::{Cone, cosine};
 use crate::roughness::Logistic;
 use crate::{FiberOptics, OrderShares, Polarization, ScatteringError};
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 use rapunzel_fiber::Section;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 /// The outline of a fibre, of the area of the unit circle.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,7 +27,24 @@ impl FiberOutline {
     }
 }
 
+/// An offset, with what of its projected angle of incidence all inclinations share.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(crate) struct Offset {
+    pub(crate) h: f64,
+    cos: f64,
+    /// Twice the angle, rad.
+    turn: f64,
+}
+
+impl Offset {
+    pub(crate) fn of(h: f64) -> Self {
+        let h = h.clamp(-1.0, 1.0);
+        Self { h, cos: cosine(h), turn: 2.0 * h.asin() }
+    }
+}
+
 /// What becomes of a ray at one offset.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct Rays {
     /// Changes of azimuth of R, TT and TRT, rad.
     pub(crate) azimuth: [f64; 3],
@@ -59,19 +79,41 @@ impl Scatterer {
         Cone::new(self.optics.refractive_index, cos2)
     }
 
-    /// The rays at the offset `h` to light from the azimuth `phi`, rad, on the cone.
-    pub(crate) fn rays(&self, cone: Cone, phi: impl Fn() -> f64, h: f64) -> Rays {
+    /// The rays at the offset `h` to light from the direction `from`, on the cone.
+    pub(crate) fn rays(&self, cone: Cone, from: &Vector3<f64>, h: &Offset) -> Rays {
         let sigma = &self.optics.absorption;
         match &self.outline {
             FiberOutline::Circle => {
-                let paths = CirclePaths::of(cone);
-                let shares = OrderShares::new(&paths, h, self.optics.polarization);
-                let energy = shares.absorbed(&transmitted(sigma, paths.segment(h)));
-                Rays { azimuth: paths.azimuths(h), energy }
+                let sin_t = h.h * cone.inverse_index();
+                let (cos_t, turn) = (cosine(sin_t), 2.0 * sin_t.asin());
+                let shares = OrderShares::at(&cone, h.h, [h.cos, cos_t], self.optics.polarization);
+                let energy = shares.absorbed(&transmitted(sigma, 2.0 * cos_t * cone.stretch()));
+                Rays { azimuth: [-h.turn, turn - h.turn + PI, 2.0 * turn - h.turn], energy }
             }
             FiberOutline::Ellipse(ellipse) => {
-                let ray = ellipse.trace(&cone, phi(), h);
+                let ray = ellipse.trace(&cone, flat(from), h.h);
                 Rays { azimuth: ray.azimuth, energy: ray.absorbed(sigma) }
+            }
+        }
+    }
+
+    /// Hands over where each lobe leaves of light from `theta_i`, rad: its index, the inclination,
+    /// and the lobe times the measure `cos^2 theta_r d theta_r`, at the nodes of a quadrature.
+    pub(crate) fn over_ends(
+        &self,
+        theta_i: f64,
+        rule: &[[f64; 2]],
+        mut take: impl FnMut(usize, &Inclination, f64),
+    ) {
+        let theta_i = theta_i.clamp(-FRAC_PI_2, FRAC_PI_2);
+        let i = Inclination::of(theta_i);
+        for (p, lobe) in self.lobes.iter().enumerate() {
+            for [low, high] in lobe.support(theta_i).into_iter().filter(|[low, high]| low < high) {
+                for [x, weight] in rule {
+                    let r = Inclination::of(low + 0.5 * (1.0 + x) * (high - low));
+                    let measure = 0.5 * weight * (high - low) * r.cos * r.cos;
+                    take(p, &r, measure * lobe.at(&i, &r));
+                }
             }
         }
     }
@@ -86,7 +128,7 @@ impl Scatterer {
                 [shares.absorbed(&t), shares.absorbed(&Vector3::repeat(1.0))]
             }
             FiberOutline::Ellipse(ellipse) => {
-                let ray = ellipse.trace(&cone, phi, h);
+                let ray = ellipse.trace(&cone, Vector2::new(phi.cos(), phi.sin()), h);
                 [ray.absorbed(&self.optics.absorption), ray.absorbed(&Vector3::zeros())]
             }
         }
@@ -94,8 +136,13 @@ impl Scatterer {
 }
 
 /// What a path of the length `l` radii transmits (thesis (6.9)).
-fn transmitted(sigma: &Vector3<f64>, l: f64) -> Vector3<f64> {
-    if *sigma == Vector3::zeros() { Vector3::repeat(1.0) } else { sigma.map(|s| (-s * l).exp()) }
+pub(crate) fn transmitted(sigma: &Vector3<f64>, l: f64) -> Vector3<f64> {
+    if *sigma == Vector3::zeros() {
+        return Vector3::repeat(1.0);
+    }
+    // Four are as quick as three.
+    let [r, g, b, _] = exponentials([-sigma.x * l, -sigma.y * l, -sigma.z * l, 0.0]);
+    Vector3::new(r, g, b)
 }
 
 /// Squared cosine of `theta_d = (theta_r - theta_i) / 2`, the inclination at which a lobe between

@@ -57,6 +57,29 @@ proptest! {
         }
     }
 
+    /// The albedo at an offset is linear between the nodes of a table, an eighth of the square of
+    /// their distance, 0.008 rad, times the second derivative of the logarithm: that of the
+    /// reflectance, near grazing, and of `exp(-sigma l)` is some 10 and at most, where nearly all is
+    /// absorbed, 50.
+    #[test]
+    fn samples_of_a_circle_weigh_what_is_scattered_at_their_offset(
+        sigma in prop_oneof![Just(0.0), 0.0..3.0_f64], beta in 0.1..0.9_f64,
+        alpha in prop_oneof![Just(0.0), 0.0..5.0_f64], theta in -85.0..85.0_f64, h in -1.0..1.0_f64,
+        seed in any::<u64>(),
+    ) {
+        let near = NearField::new(hair(sigma, beta, beta, alpha), &CIRCLE).expect("a fibre");
+        let mut random = random(seed);
+        for (theta, h) in [(theta, h), (85.0, h), (-85.0, h), (theta, 1.0), (theta, 0.0)] {
+            let arrival = near.arrive(h, &direction(theta.to_radians(), 0.4));
+            let [scattered, _] = integrals(&near, &arrival, 600, 200);
+            for _ in 0..200 {
+                let sample = near.sample(&arrival, &mut random).expect("a direction");
+                let weight = sample.weight.mean() / scattered;
+                prop_assert!((weight - 1.0).abs() < 5e-4, "{theta} {h}: {weight}");
+            }
+        }
+    }
+
     #[test]
     fn light_runs_both_ways_with_the_offset(
         beta in 0.2..1.0_f64, alpha in 0.0..5.0_f64, h in -1.0..1.0_f64, seed in any::<u64>(),
