@@ -18,6 +18,7 @@ pub(crate) struct PathVertex<'a> {
 }
 
 /// How light is scattered there.
+#[expect(clippy::large_enum_variant, reason = "it lives for one event, on the stack")]
 pub(crate) enum VertexScattering<'a> {
     /// By a fibre, whose frame has the columns d1, d2, d3 (world).
     Fiber {

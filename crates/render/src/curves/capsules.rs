@@ -204,12 +204,13 @@ impl CapsuleBlock {
             let flat = squared.less_than(length * Lane::splat(simd, FLAT * FLAT));
             let wide = reach + squared.sqrt() * Lane::splat(simd, 0.25);
             let aside = flat.select(to_curve - reach * reach, to_chord - wide * wide);
-            // The capsule begins behind the end of the ray.
+            // The capsule begins behind the end of the ray, or ends before its start.
             let sight = splat(simd, &ray.direction);
             let (z, w) = (from.dot(sight), axis.dot(sight));
-            let bulged = bulge.dot(sight).min(zero) * Lane::splat(simd, 0.25);
-            let behind = z.min(z + w) + bulged - reach - Lane::splat(simd, ray.end);
-            aside.max(behind).max(-reach).store(&mut beyond, register);
+            let bulged = bulge.dot(sight) * Lane::splat(simd, 0.25);
+            let behind = z.min(z + w) + bulged.min(zero) - reach - Lane::splat(simd, ray.end);
+            let before = Lane::splat(simd, ray.start) - reach - bulged.max(zero) - z.max(z + w);
+            aside.max(behind).max(before).max(-reach).store(&mut beyond, register);
         }
         bits.negative(&beyond)
     }

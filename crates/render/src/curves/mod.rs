@@ -55,7 +55,8 @@ impl Curves {
         }
         let aspect = ratio.map(|ratio| [ratio.sqrt().recip(), ratio.sqrt()]);
         let moves = fibers.iter().any(|fiber| !fiber.ways.is_empty());
-        let mut store = CurveStore::new(kind, aspect);
+        let nodes = fibers.iter().map(|fiber| fiber.nodes.len()).sum();
+        let mut store = CurveStore::new(kind, aspect, [fibers.len(), nodes]);
         for (index, fiber) in fibers.iter().enumerate() {
             fiber.check(index, aspect.is_some())?;
             store.add(fiber, moves);

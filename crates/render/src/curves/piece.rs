@@ -1,4 +1,4 @@
-use nalgebra::{Point3, Vector3};
+use nalgebra::Vector3;
 
 /// How a curve runs through the nodes of a fibre.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -24,19 +24,18 @@ impl CurvePiece {
         }
     }
 
-    /// A piece by its control points, from `origin`: as many as [`Self::points`].
+    /// A piece by its control points: the first of these, as many as [`Self::points`].
     #[inline(always)]
-    pub(super) fn new(kind: CurveForm, control: &[Point3<f64>], origin: &Point3<f64>) -> Self {
-        match *control {
-            [a, b, c, d] if kind == CurveForm::Cubic => {
-                let (a, b, c, d) = (a - origin, b - origin, c - origin, d - origin);
+    pub(super) fn new(kind: CurveForm, control: &[Vector3<f64>; 4]) -> Self {
+        let [a, b, c, d] = control;
+        match kind {
+            CurveForm::Cubic => {
                 // The uniform B-spline by powers.
                 let c0 = (a + 4.0 * b + c) / 6.0;
                 let (c1, c2) = (0.5 * (c - a), 0.5 * (a + c) - b);
                 Self { c: [c0, c1, c2, (d - a + 3.0 * (b - c)) / 6.0] }
             }
-            [a, b, ..] => Self { c: [a - origin, b - a, Vector3::zeros(), Vector3::zeros()] },
-            _ => Self { c: [Vector3::zeros(); 4] },
+            CurveForm::Linear => Self { c: [*a, b - a, Vector3::zeros(), Vector3::zeros()] },
         }
     }
 

@@ -6,6 +6,16 @@ use crate::tree::{short, single};
 use nalgebra::{Point3, Vector3};
 use rapunzel_fiber::spline::control_points;
 
+/// A control point of a curve, and what a ray needs beside it: both in half a line of the cache.
+#[derive(Debug, Clone, Copy)]
+#[repr(align(32))]
+struct ControlPoint {
+    /// World, m.
+    position: Point3<f64>,
+    /// Radius at the node at this place, m.
+    radius: f64,
+}
+
 /// Curves with their sections, fibre after fibre.
 #[derive(Debug, Clone)]
 pub(super) struct CurveStore {
@@ -14,19 +24,19 @@ pub(super) struct CurveStore {
     aspect: Option<[f64; 2]>,
     /// First control point of each fibre, and the number of all.
     starts: Vec<u32>,
-    /// Control points (world), m; a piece is named by the first of its four (two if linear).
-    control: Vec<Point3<f64>>,
+    /// A piece is named by the first of its four control points (two if linear).
+    control: Vec<ControlPoint>,
     /// What is given at nodes, at the places of control points.
-    radii: Vec<f32>,
     axes: Vec<Vector3<f32>>,
     ways: Vec<Vector3<f32>>,
 }
 
 impl CurveStore {
-    /// No curve yet.
-    pub(super) fn new(kind: CurveForm, aspect: Option<[f64; 2]>) -> Self {
-        let (starts, control, radii) = (vec![0], Vec::new(), Vec::new());
-        Self { kind, aspect, starts, control, radii, axes: Vec::new(), ways: Vec::new() }
+    /// No curve yet, but room for some fibres with so many nodes in all.
+    pub(super) fn new(kind: CurveForm, aspect: Option<[f64; 2]>, room: [usize; 2]) -> Self {
+        let [fibers, nodes] = room;
+        let (starts, control) = (vec![0], Vec::with_capacity(nodes + 2 * fibers));
+        Self { kind, aspect, starts, control, axes: Vec::new(), ways: Vec::new() }
     }
 
     /// Adds a fibre that was checked; `moves` if any of all moves.
@@ -45,11 +55,12 @@ impl CurveStore {
         let before = self.before();
         let last = fiber.nodes.len() - 1;
         let places = || (0..points.len()).map(|k| k.saturating_sub(before).min(last));
-        self.radii.extend(places().map(|k| single(&[fiber.radii[k]])[0]));
         if self.aspect.is_some() {
             self.axes.extend(places().map(|k| fiber.axes[k].normalize().cast::<f32>()));
         }
-        self.control.extend(points);
+        let radii = places().map(|k| fiber.radii[k]);
+        let point = |(position, radius)| ControlPoint { position, radius };
+        self.control.extend(points.into_iter().zip(radii).map(point));
         self.starts.push(short(self.control.len()));
     }
 
@@ -86,10 +97,10 @@ impl CurveStore {
 
     /// Two corners of a box that holds all tubes at all times (world), m.
     pub(super) fn bounds(&self) -> Option<[Point3<f64>; 2]> {
-        let widest = self.radii.iter().fold(0.0_f32, |a, b| a.max(*b));
-        let reach = Vector3::repeat(f64::from(widest) * self.aspect.map_or(1.0, |[a, b]| a.max(b)));
-        let moved = self.control.iter().zip(&self.ways).map(|(point, way)| point + way.cast());
-        let all = self.control.iter().copied().chain(moved);
+        let widest = self.control.iter().fold(0.0, |widest: f64, point| widest.max(point.radius));
+        let reach = Vector3::repeat(widest * self.aspect.map_or(1.0, |[a, b]| a.max(b)));
+        let points = || self.control.iter().map(|point| point.position);
+        let all = points().chain(points().zip(&self.ways).map(|(point, way)| point + way.cast()));
         let hull = all.fold(None, |hull: Option<[Point3<f64>; 2]>, p| {
             let [low, high] = hull.unwrap_or([p; 2]);
             Some([low.inf(&p), high.sup(&p)])
@@ -100,7 +111,6 @@ impl CurveStore {
     /// Memory, bytes.
     pub(super) fn bytes(&self) -> usize {
         size_of_val(self.control.as_slice())
-            + size_of_val(self.radii.as_slice())
             + size_of_val(self.axes.as_slice())
             + size_of_val(self.ways.as_slice())
     }
@@ -110,17 +120,19 @@ impl CurveStore {
     pub(super) fn tube(&self, piece: usize, time: f64, origin: &Point3<f64>) -> Tube {
         let count = CurvePiece::points(self.kind);
         let control = &self.control[piece..piece + count];
-        let curve = if self.ways.is_empty() {
-            CurvePiece::new(self.kind, control, origin)
-        } else {
-            let mut moved = [Point3::origin(); 4];
-            for (k, moved) in moved[..count].iter_mut().enumerate() {
-                *moved = control[k] + time * self.ways[piece + k].cast();
+        let mut from = [Vector3::zeros(); 4];
+        for (k, from) in from[..count].iter_mut().enumerate() {
+            *from = control[k].position - origin;
+        }
+        if !self.ways.is_empty() {
+            for (k, from) in from[..count].iter_mut().enumerate() {
+                *from += time * self.ways[piece + k].cast();
             }
-            CurvePiece::new(self.kind, &moved[..count], origin)
-        };
-        let node = piece + self.before();
-        let radii = [f64::from(self.radii[node]), f64::from(self.radii[node + 1])];
+        }
+        let curve = CurvePiece::new(self.kind, &from);
+        let before = self.before();
+        let node = piece + before;
+        let radii = [control[before].radius, control[before + 1].radius];
         let (axes, aspect) = match self.aspect {
             Some(aspect) => (Some([self.axes[node].cast(), self.axes[node + 1].cast()]), aspect),
             None => (None, [1.0; 2]),

@@ -17,7 +17,7 @@ pub(crate) struct TreeRay {
     /// How far from the origin of the ray itself this origin is, m.
     pub(crate) advance: f64,
     /// Where from and how far it goes, m, from this origin.
-    start: f32,
+    pub(crate) start: f32,
     pub(crate) end: f32,
 }
 

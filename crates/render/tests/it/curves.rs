@@ -54,8 +54,7 @@ proptest! {
         let across = Vector3::new(-from.y, from.x, 0.0).normalize();
         let ray = ray(from.into(), &Point3::from(across * (aside * RADIUS) + Vector3::z() * height), 0.0);
         let hit = tubes.hit(&ray, ALL);
-        // Radii are kept in single precision.
-        let radius: f64 = f64::from(format!("{RADIUS}").parse::<f32>().expect("a number"));
+        let radius = RADIUS;
         let exact = cylinder(&ray, radius);
         // A grazing ray comes in within the root of what is rounded off, of the radius.
         prop_assume!((aside.abs() - 1.0).abs() > 1e-9);
@@ -101,7 +100,7 @@ proptest! {
             let along = x.dot(&d3) / radius;
             prop_assert!(along.abs() < 1e-7, "{along}");
             let on = (x.dot(&d1) / a).hypot(x.dot(&d2) / b);
-            // Radii in single precision, and the last step of the iterations as the section turns.
+            // The last step of the iterations as the section turns.
             prop_assert!((on - 1.0).abs() < 4.0 * f64::from(f32::EPSILON), "{on}");
             prop_assert!(at.normal.dot(&ray.direction) <= 1e-6);
             prop_assert!((-1.0..=1.0).contains(&at.offset));
