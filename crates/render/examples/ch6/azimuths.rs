@@ -3,6 +3,7 @@
 use crate::draw::{chart, curve, midpoints, samples};
 use crate::studio::hair;
 use crate::trace::{INDEX, exit, light};
+use crate::wavy::RADIUS;
 use nalgebra::{Point3, Vector3};
 use rapunzel_repro::plot::{Chart, Curve, Drawing, Picture, Pictures};
 use rapunzel_repro::{ClaimCheck, Criterion, Fallible, Figure, check};
@@ -17,13 +18,15 @@ const LABELS: [&str; 2] = ["change of azimuth (degrees)", "N_p (1/rad)"];
 /// Rays of one order in the normal plane.
 fn circle(name: &str, order: u32) -> Picture {
     let rim = samples(0.0, 2.0 * PI, 96).map(|phi| Point3::new(phi.cos(), phi.sin(), 0.0));
-    let mut fibers = vec![rim.collect()];
+    // The axis, a dot from here.
+    let mut fibers = vec![vec![Point3::origin(), Point3::new(0.0, 0.0, 1.0)], rim.collect()];
     for h in samples(-0.98, 0.98, 28) {
         let ray = exit(0.0, h, order);
         let before = ray.points[0] + light(0.0) * (2.6 - ray.points[0].x);
         let all = std::iter::once(before).chain(ray.points).chain([ray.at + ray.direction * 2.0]);
         fibers.push(all.map(Point3::from).collect());
     }
+    fibers.iter_mut().flatten().for_each(|p| *p *= RADIUS);
     Picture { caption: name.into(), fibers }
 }
 
@@ -192,7 +195,7 @@ pub(crate) fn curves() -> Fallible<Figure> {
     };
     let circles = Drawing::Pictures(Pictures {
         title: "6.6 R, TT and TRT in a circle".into(),
-        view: "along the fibre, light from the right; lengths are in radii",
+        view: "along the fibre, light from the right",
         axes: [Vector3::x(), Vector3::y()],
         columns: 3,
         pictures,

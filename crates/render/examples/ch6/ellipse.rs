@@ -11,10 +11,10 @@ use rapunzel_scattering::{
 
 /// Axis along the light over that across it.
 const RATIOS: [f64; 5] = [0.85, 0.90, 1.00, 1.10, 1.20];
-/// Parts of a turn in which light is counted, of 2 degrees.
-const BINS: usize = 180;
+/// Parts of a turn in which light is counted, of a degree.
+const BINS: usize = 360;
 /// Azimuths in a part at which (6.11) is taken; it is infinite at a glint.
-const FINE: u32 = 800;
+const FINE: u32 = 400;
 
 /// Light over the azimuths, in even parts of a turn from -180 degrees on.
 struct Spread {
@@ -109,7 +109,7 @@ pub(crate) fn sections() -> Fallible<Figure> {
     let [traced, printed] = energies;
     Ok(Figure {
         scene: "smooth fibres, n = 1.55, without absorption, level light along an axis",
-        parameters: "400,000 rays; means over 2 degrees",
+        parameters: "400,000 rays; means over a degree",
         drawings: vec![
             chart("6.6 TRT of ellipses, traced", labels, traced_curves),
             chart("6.6 TRT of ellipses by the rule (6.12)", labels, printed_curves),

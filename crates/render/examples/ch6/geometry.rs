@@ -3,6 +3,7 @@
 use crate::draw::{chart, curve, samples};
 use crate::studio::{hair, wrapped};
 use crate::trace::{Exit, INDEX, exit, light};
+use crate::wavy::RADIUS;
 use nalgebra::{Point3, Vector3};
 use rapunzel_repro::plot::{Drawing, Picture, Pictures};
 use rapunzel_repro::{Criterion, Fallible, Figure, check};
@@ -19,13 +20,21 @@ fn direction(theta: f64, phi: f64) -> Vector3<f64> {
     Vector3::new(theta.cos() * phi.cos(), theta.cos() * phi.sin(), theta.sin())
 }
 
-/// A view half from above, with the fibre upright.
-fn view(title: &str, columns: usize, pictures: Vec<Picture>) -> Drawing {
+/// A view half from above of a fibre, which stands upright and comes first; lengths in its radii
+/// become lengths.
+fn view(title: &str, columns: usize, mut pictures: Vec<Picture>) -> Drawing {
     let toward = Vector3::new(1.0, -0.55, 0.45).normalize();
     let right = Vector3::z().cross(&toward).normalize();
     let axes = [right, toward.cross(&right)];
-    let view = "seen half from above; lengths are in radii";
+    let points = pictures.iter_mut().flat_map(|picture| &mut picture.fibers).flatten();
+    points.for_each(|p| *p *= RADIUS);
+    let view = "half from above, d1 to the front, d2 to the right, d3 up";
     Drawing::Pictures(Pictures { title: title.into(), view, axes, columns, pictures })
+}
+
+/// The axis of a fibre.
+fn axis(half: f64) -> Vec<Point3<f64>> {
+    [-half, half].map(|z| Point3::new(0.0, 0.0, z)).to_vec()
 }
 
 /// An arc of directions between two pairs of an inclination and an azimuth.
@@ -40,40 +49,33 @@ fn ray(to: Vector3<f64>) -> Vec<Point3<f64>> {
 
 /// Figure 6.4: inclination and azimuth, and that nothing else counts.
 pub(crate) fn angles() -> Fallible<Figure> {
-    let [light, eye] = [[0.5, 0.35], [0.9, 1.5]];
-    let place = |[theta, phi]: [f64; 2]| direction(theta, phi);
-    let flat = |[_, phi]: [f64; 2]| [0.0, phi];
-    let circle = samples(0.0, TAU, 96).map(|phi| Point3::from(direction(0.0, phi))).collect();
-    let axes = [Vector3::x(), Vector3::y(), Vector3::z()];
-    let own = |angles: [f64; 2]| {
-        let upright = vec![Point3::from(place(flat(angles))), Point3::from(place(angles))];
-        vec![
-            ray(place(angles) * 1.35),
-            ray(place(flat(angles))),
-            arc(flat(angles), angles, 1.0),
-            arc([0.0; 2], flat(angles), 0.35),
-            upright,
-        ]
-    };
-    let frame: Vec<Vec<Point3<f64>>> = axes.iter().map(|axis| ray(axis * 1.6)).collect();
-    let with = |more: Vec<Vec<Point3<f64>>>| {
-        std::iter::once(Vec::clone(&circle)).chain(frame.clone()).chain(more).collect()
-    };
+    let circle: Vec<_> =
+        samples(0.0, TAU, 96).map(|phi| Point3::from(direction(0.0, phi))).collect();
     let of = |name: &str, angles: [f64; 2]| {
         let [theta, phi] = angles.map(f64::to_degrees);
         let caption = format!("{name}: theta = {theta:.0}, phi = {phi:.0} degrees");
-        Picture { caption, fibers: with(own(angles)) }
+        let flat = [0.0, angles[1]];
+        let fibers = vec![
+            axis(1.5),
+            circle.clone(),
+            ray(Vector3::x() * 1.5),
+            ray(Vector3::y() * 1.5),
+            ray(direction(angles[0], angles[1]) * 1.4),
+            ray(direction(flat[0], flat[1])),
+            arc(flat, angles, 1.0),
+            arc([0.0; 2], flat, 0.4),
+        ];
+        Picture { caption, fibers }
     };
-    let pictures = vec![of("light", light), of("eye", eye)];
+    let pictures = vec![of("light", [0.6, 0.5]), of("eye", [0.9, 1.9])];
     let far = FarField::new(hair(&Pigments::BLOND, 0.3)?)?;
     let value = |i: &Vector3<f64>, r: &Vector3<f64>| far.evaluate(&far.arrive(0.0, i), r).value;
     let (mut turned, mut back) = (0.0_f64, 0.0_f64);
     for theta_i in [-1.2, -0.4, 0.1, 0.8] {
         for theta_r in [-0.9, 0.0, 0.5, 1.3] {
             for change in [0.0, 0.6, 1.9, 3.0] {
-                let f = |phi: f64| {
-                    value(&direction(theta_i, phi), &direction(theta_r, phi + change))
-                };
+                let f =
+                    |phi: f64| value(&direction(theta_i, phi), &direction(theta_r, phi + change));
                 let here = f(0.0);
                 turned = turned.max((f(2.1) - here).amax() / here.amax());
                 let reverse = value(&direction(theta_r, change), &direction(theta_i, 0.0));
@@ -82,7 +84,7 @@ pub(crate) fn angles() -> Fallible<Figure> {
         }
     }
     Ok(Figure {
-        scene: "a fibre along d3 (upright), d1 to the right and d2 to the back",
+        scene: "a fibre along d3",
         parameters: "the far field of blond hair, 64 pairs of directions",
         drawings: vec![view("6.4 Inclination and azimuth in the frame of a fibre", 2, pictures)],
         checks: vec![
@@ -128,7 +130,7 @@ pub(crate) fn cone() -> Fallible<Figure> {
     let rim = |z: f64| samples(0.0, TAU, 48).map(move |p| Point3::new(p.cos(), p.sin(), z));
     let wall = |phi: f64| [-3.0, 3.0].map(|z| Point3::new(phi.cos(), phi.sin(), z)).to_vec();
     let picture = |order: usize| {
-        let mut fibers = vec![rim(-3.0).collect(), rim(3.0).collect()];
+        let mut fibers = vec![axis(3.0), rim(-3.0).collect(), rim(3.0).collect()];
         fibers.extend([2.07, 5.21].map(wall));
         for h in samples(-0.95, 0.95, 20) {
             let Exit { points, at, direction, .. } = exit(theta, h, order as u32);
@@ -222,7 +224,7 @@ pub(crate) fn offsets_of_rays() -> Fallible<Figure> {
         parameters: "rays traced in space",
         drawings: vec![
             chart(
-                "6.8 Offsets at which rays leave",
+                "6.8 Offsets at which rays leave: one line for all",
                 ["h_i", "h_r"],
                 (0..3).map(leave).collect(),
             ),

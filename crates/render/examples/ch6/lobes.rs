@@ -5,9 +5,7 @@ use crate::studio::{SCALES, hair};
 use nalgebra::Vector3;
 use rapunzel_repro::plot::Curve;
 use rapunzel_repro::{Criterion, Fallible, Figure, check};
-use rapunzel_scattering::{
-    CuticleTilt, FarField, FiberBsdf, FiberOptics, Pigments,
-};
+use rapunzel_scattering::{CuticleTilt, FarField, FiberBsdf, FiberOptics, Pigments};
 
 /// Angle of the light to the plane across the fibre, degrees.
 const LIGHT: f64 = 30.0;
@@ -75,7 +73,8 @@ pub(crate) fn goniophotometer() -> Fallible<Figure> {
     let place = |scan: &Scan| scan.peaks().1.map_or(f64::NAN, |p| p[0]);
     let [r, tt, trt] = CuticleTilt::trace(FiberOptics::KERATIN_INDEX, SCALES, -LIGHT.to_radians())?
         .map(|theta| theta.to_degrees() - LIGHT);
-    let (first, more) = ("maximum about 6 degrees to the root, at 24", "about 16 right of it, at 40");
+    let (first, more) =
+        ("maximum about 6 degrees to the root, at 24", "about 16 right of it, at 40");
     let scales = "R 2 alpha to the root, TT at most 2 alpha, TRT more than 2 alpha to the tip";
     let degrees = |what: &str, found: f64, must: Criterion, thesis: &'static str| {
         check(what, found, "degrees", must, thesis)
@@ -132,7 +131,8 @@ pub(crate) fn goniophotometer() -> Fallible<Figure> {
         degrees("scales at 3 degrees, traced: TRT off", trt, Criterion::AtLeast(6.0), scales),
     ];
     let labels = ["inclination (degrees)", "radiance times cosine, per irradiance"];
-    let parts: Vec<Curve> = [&blond, &brown].into_iter().flat_map(|s| s.lobes.clone()).collect();
+    let [[r, fair], [_, dark]] = [blond.lobes.clone(), brown.lobes.clone()];
+    let parts = vec![Curve { name: "all, R alone".into(), ..r }, fair, dark];
     let curves = [blond, brown, black, back].map(|scan| scan.curve).to_vec();
     Ok(Figure {
         scene: "a round hair in parallel light at 30 degrees to its normal plane, from the root",

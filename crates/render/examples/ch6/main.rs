@@ -34,7 +34,7 @@ const FIGURES: [FigureEntry<Draw>; 11] = [
     FigureEntry { number: "6.8", title: "Offsets of rays", draw: geometry::offsets_of_rays },
     FigureEntry { number: "6.9", title: "Scattering between hairs", draw: orders::wisps },
     FigureEntry { number: "6.10", title: "Orders of scattering", draw: orders::orders },
-    FigureEntry { number: "6.11", title: "A lock", draw: locks::curls },
+    FigureEntry { number: "6.11", title: "Locks", draw: locks::curls },
 ];
 
 fn main() -> ExitCode {

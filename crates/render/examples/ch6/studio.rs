@@ -84,14 +84,15 @@ pub(crate) struct Shot {
 }
 
 impl Shot {
-    /// A square picture of so many pixels and samples; `order` as in [`PathTracer`].
+    /// A picture of a size and so many samples; `order` as in [`PathTracer`].
     pub(crate) fn of(
         scene: &RenderScene,
         camera: &Camera,
         order: Option<u32>,
-        [side, samples]: [u32; 2],
+        size: [u32; 2],
+        samples: u32,
     ) -> Fallible<Self> {
-        let mut film = Film::new([side; 2])?;
+        let mut film = Film::new(size)?;
         let tracer = PathTracer { scene, camera, seed: 6, order, search: LightSearch::Both };
         tracer.expose(&mut film, samples, &|| false);
         if film.rejected() > 0 {
