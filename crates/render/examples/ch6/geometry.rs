@@ -129,18 +129,18 @@ pub(crate) fn cone() -> Fallible<Figure> {
     }
     let rim = |z: f64| samples(0.0, TAU, 48).map(move |p| Point3::new(p.cos(), p.sin(), z));
     let wall = |phi: f64| [-3.0, 3.0].map(|z| Point3::new(phi.cos(), phi.sin(), z)).to_vec();
-    let picture = |order: usize| {
+    let picture = |(order, name): (u32, &str)| {
         let mut fibers = vec![axis(3.0), rim(-3.0).collect(), rim(3.0).collect()];
         fibers.extend([2.07, 5.21].map(wall));
         for h in samples(-0.95, 0.95, 20) {
-            let Exit { points, at, direction, .. } = exit(theta, h, order as u32);
+            let Exit { points, at, direction, .. } = exit(theta, h, order);
             let before = points[0] + light(theta) * 4.0;
             let all = std::iter::once(before).chain(points).chain([at + direction * 4.0]);
             fibers.push(all.map(Point3::from).collect());
         }
-        Picture { caption: NAMES[order].into(), fibers }
+        Picture { caption: name.into(), fibers }
     };
-    let pictures = [0, 1, 2].map(picture).to_vec();
+    let pictures = (0..).zip(NAMES).map(picture).collect();
     let told = |name: &str, value: f64, unit: &'static str, thesis: &'static str| {
         check(format!("{name}, 0 to 75 degrees"), value, unit, Criterion::AtMost(1e-9), thesis)
     };
@@ -186,13 +186,13 @@ pub(crate) fn offsets_of_rays() -> Fallible<Figure> {
             mirrored = mirrored.max((exit(theta, h, order).offset() + h).abs());
         }
     }
-    let leave = |order: usize| {
-        let of = |h| [h, exit(0.0, h, order as u32).offset()];
-        curve(NAMES[order], offsets().map(of))
+    let leave = |(order, name)| {
+        let of = |h| [h, exit(0.0, h, order).offset()];
+        curve(name, offsets().map(of))
     };
-    let density = |order: usize| {
-        let of = |h: f64| [h, paths.azimuth_slope(order as u32, h).abs().recip()];
-        curve(&format!("{}, D of (6.19)", NAMES[order]), offsets().map(of))
+    let density = |(order, name)| {
+        let of = |h: f64| [h, paths.azimuth_slope(order, h).abs().recip()];
+        curve(&format!("{name}, D of (6.19)"), offsets().map(of))
     };
     let exact = curve("all, traced |d h_r / d h_i|^-1", offsets().map(|h| [h, 1.0]));
     // What (6.20) gives once both offsets are integrated out, over the far field.
@@ -226,12 +226,12 @@ pub(crate) fn offsets_of_rays() -> Fallible<Figure> {
             chart(
                 "6.8 Offsets at which rays leave: one line for all",
                 ["h_i", "h_r"],
-                (0..3).map(leave).collect(),
+                (0..).zip(NAMES).map(leave).collect(),
             ),
             chart(
                 "6.8 Density of rays over the width",
                 ["h_i", "density"],
-                std::iter::once(exact).chain((0..2).map(density)).collect(),
+                std::iter::once(exact).chain((0..2).zip(NAMES).map(density)).collect(),
             ),
         ],
         checks,
