@@ -3,12 +3,12 @@ use anyhow::Result;
 use xshell::{Shell, cmd};
 
 /// The Python packages that read our files.
-const READERS: [&str; 2] = ["vtk==9.7.2", "usd-core==26.11"];
+const READERS: [&str; 3] = ["vtk==9.7.2", "usd-core==26.11", "mitsuba==3.9.1"];
 
 /// Writes the first frames of a simulated lock in every format to `target/formats` and lets other
-/// programs open them and compare the numbers: Python's `vtk` and `usd-core`, each skipped, with a
-/// word, where it cannot be had. They are installed into a virtual environment beside the files,
-/// unless `PYTHON` names an interpreter to take instead.
+/// programs open them and compare the numbers: Python's `vtk`, `usd-core` and `mitsuba`, each
+/// skipped, with a word, where it cannot be had. They are installed into a virtual environment
+/// beside the files, unless `PYTHON` names an interpreter to take instead.
 pub(crate) fn run() -> Result<()> {
     let sh = Shell::new()?;
     sh.change_dir(root()?);
@@ -34,7 +34,10 @@ pub(crate) fn run() -> Result<()> {
             cmd!(sh, "{python} {check}/check_usd.py {file} 4 frame4.csv").run()?;
         }
     }
-    println!("look at target/formats/preview.png");
+    if has("mitsuba") {
+        cmd!(sh, "{python} {check}/check_mitsuba.py frame4.xml frame4.csv frame4.png").run()?;
+    }
+    println!("look at target/formats/preview.png, and frame4.png by Mitsuba");
     Ok(())
 }
 

@@ -8,7 +8,7 @@ use xshell::{Shell, cmd};
 /// What each crate may depend on within the workspace: the arrows of ARCHITECTURE.md, which run
 /// down only; `*` stands for all crates in the lines above. A new crate gets its line here and a
 /// place there.
-const ARROWS: [(&str, &[&str]); 24] = [
+const ARROWS: [(&str, &[&str]); 25] = [
     ("fiber", &[]),
     ("lanes", &[]),
     ("linalg", &[]),
@@ -27,6 +27,7 @@ const ARROWS: [(&str, &[&str]); 24] = [
     ("electrostatics", &["fiber", "lanes", "collision"]),
     // The fibres are for its tests only.
     ("export", &["fiber", "collision"]),
+    ("studio", &["fiber", "collision", "export", "render", "scattering"]),
     ("mass-spring", &["fiber", "linalg", "collision", "oracles"]),
     ("hairgen", &["fiber", "linalg", "collision", "rod-static", "oracles", "repro"]),
     (

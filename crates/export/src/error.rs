@@ -42,10 +42,10 @@ pub enum ExportError {
         /// Description of the problem of the surface.
         what: &'static str,
     },
-    /// A wind of a preview that cannot be shown.
-    #[error("the wind {what}")]
-    Wind {
-        /// Description of the problem of the wind.
+    /// A look that no hair has.
+    #[error("the look of hair has {what}")]
+    Look {
+        /// Description of the problem of the look.
         what: &'static str,
     },
     /// A count that exceeds what the format can hold.

@@ -3,11 +3,12 @@
 pub mod data;
 mod error;
 mod frame;
+mod framing;
 pub mod hair;
+pub mod mitsuba;
 pub mod obj;
 pub mod ply;
 pub mod pov;
-pub mod preview;
 pub mod pvd;
 #[cfg(test)]
 mod sample;

@@ -3,9 +3,10 @@
 //! POV-Ray is left-handed with y up, and its tolerances are made for scenes of unit size: points
 //! are written as `<x, z, y>`, which keeps what is right on the right, and in millimetres.
 
-use super::surface::{self, Placed};
+use super::surface::Placed;
 use super::{ExportError, Frame};
-use nalgebra::{Point3, Vector3};
+use crate::framing::Framing;
+use nalgebra::Point3;
 use std::io::Write;
 
 /// Millimetres per metre.
@@ -19,11 +20,7 @@ const SCALE: f64 = 1e3;
 /// # Errors
 /// Refuses invalid and empty frames, and surfaces that are not finite; fails if `out` does.
 pub fn write(out: &mut impl Write, frame: &Frame, objects: &[Placed]) -> Result<(), ExportError> {
-    frame.validate()?;
-    objects.iter().try_for_each(|object| surface::check(&object.surface))?;
-    if frame.strands.is_empty() {
-        return Err(ExportError::Empty);
-    }
+    let framing = Framing::of(frame, objects)?;
     let (fibers, count) = (frame.strands.len(), objects.len());
     writeln!(out, "#version 3.7;")?;
     writeln!(out, "// Frame {} at {} s, in millimetres, y up.", frame.index, frame.time)?;
@@ -43,7 +40,7 @@ pub fn write(out: &mut impl Write, frame: &Frame, objects: &[Placed]) -> Result<
     if !objects.is_empty() {
         mesh(out, objects)?;
     }
-    picture(out, frame, objects)
+    picture(out, &framing, !objects.is_empty())
 }
 
 /// A point in POV-Ray's notation and coordinates.
@@ -73,23 +70,18 @@ fn mesh(out: &mut impl Write, objects: &[Placed]) -> Result<(), ExportError> {
 }
 
 /// Writes camera, light and objects, for a file that is not included in another.
-fn picture(out: &mut impl Write, frame: &Frame, objects: &[Placed]) -> Result<(), ExportError> {
-    let points = || {
-        let fibers = frame.strands.iter().flat_map(|strand| &strand.points);
-        fibers.chain(objects.iter().flat_map(|object| &object.surface.vertices))
-    };
-    let first = points().next().copied().unwrap_or_default();
-    let [low, high] = points().fold([first; 2], |[low, high], p| [low.inf(p), high.sup(p)]);
-    let (middle, radius) = (nalgebra::center(&low, &high), 0.5 * (high - low).norm());
-    // From where 40 degrees across take in the ball around all, also in a picture of 16 to 9.
-    let away = 5.0 * radius.max(1.0 / SCALE);
-    let eye = middle + away * Vector3::new(0.3, -0.9, 0.3);
-    let lamp = middle + away * Vector3::new(-1.0, -1.0, 2.0);
+fn picture(
+    out: &mut impl Write,
+    Framing { middle, eye, lamp, .. }: &Framing,
+    has_objects: bool,
+) -> Result<(), ExportError> {
     writeln!(out, "#ifndef (Included)\nglobal_settings {{ assumed_gamma 1 }}")?;
-    writeln!(out, "camera {{ location {} look_at {} angle 40 }}", vector(&eye), vector(&middle))?;
-    writeln!(out, "light_source {{ {} rgb 1 }}\nbackground {{ rgb 1 }}", vector(&lamp))?;
-    writeln!(out, "object {{ Hair pigment {{ rgb <0.30, 0.17, 0.09> }} }}")?;
-    if !objects.is_empty() {
+    writeln!(out, "camera {{ location {} look_at {} angle 40 }}", vector(eye), vector(middle))?;
+    writeln!(out, "light_source {{ {} rgb 1 }}\nbackground {{ rgb 1 }}", vector(lamp))?;
+    writeln!(out, "object {{\n  Hair pigment {{ rgb <0.30, 0.17, 0.09> }}")?;
+    // Light that other fibres would scatter, and what they reflect.
+    writeln!(out, "  finish {{ ambient 0.2 diffuse 0.8 specular 0.4 roughness 0.04 }}\n}}")?;
+    if has_objects {
         writeln!(out, "object {{ Objects pigment {{ rgb <0.66, 0.71, 0.76> }} }}")?;
     }
     Ok(writeln!(out, "#end")?)

@@ -1,6 +1,7 @@
 //! A ParaView collection: the times of a series of files.
 
 use super::ExportError;
+use crate::text::escaped;
 use std::io::Write;
 
 /// Writes the collection of `files`, each a time in seconds, the number of a part that is shown
@@ -17,7 +18,7 @@ pub fn write<'a>(
     writeln!(out, r#"<VTKFile type="Collection" version="1.0" byte_order="LittleEndian">"#)?;
     writeln!(out, "  <Collection>")?;
     for (time, part, file) in files {
-        let file = file.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;");
+        let file = escaped(file);
         writeln!(out, r#"    <DataSet timestep="{time}" part="{part}" file="{file}"/>"#)?;
     }
     writeln!(out, "  </Collection>\n</VTKFile>")?;

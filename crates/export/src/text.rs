@@ -53,3 +53,8 @@ pub(crate) fn single(out: &mut impl Write, value: f64) -> Result<(), ExportError
     out.write_all(text.strip_suffix(".0").unwrap_or(text).as_bytes())?;
     Ok(())
 }
+
+/// A text as the value of an attribute in XML.
+pub(crate) fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;")
+}

@@ -12,6 +12,7 @@ pub mod quaternion;
 pub mod se3;
 mod section;
 pub mod so3;
+pub mod spline;
 
 pub use assembly::{Assembly, GROUP_SIZE};
 pub use error::FiberError;

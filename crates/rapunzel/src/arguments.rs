@@ -3,6 +3,8 @@ use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand};
 use rapunzel_keratin::lab::Instrument;
 use rapunzel_keratin::{HairType, Thickness, Treatment};
+use rapunzel_scattering::Pigments;
+use rapunzel_studio::{Coloring, HairModel, pigments};
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -71,6 +73,8 @@ pub(crate) enum Command {
     /// reads.
     #[command(arg_required_else_help = true)]
     Lab(LabOptions),
+    /// Draw a run, a scene, a style or a file of strands as a picture or a film.
+    Render(RenderOptions),
     /// Say how the run in a folder stands.
     Info {
         /// The folder of a run.
@@ -123,6 +127,134 @@ pub(crate) struct GrowOptions {
     /// style].
     #[arg(long, value_name = "FOLDER")]
     pub(crate) out: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct RenderOptions {
+    /// The folder of a run or of a grown style, a scene or a style (RON), or a file of strands
+    /// (usda, usdc, usdz, hair, data, obj, ply) or of a frame (vtp).
+    pub(crate) what: PathBuf,
+    /// The picture, a PNG; an EXR beside it if --exr [default: NAME.png, or the folder NAME-film].
+    #[arg(long, value_name = "FILE")]
+    pub(crate) out: Option<PathBuf>,
+    /// The frame of a run, from 0 [default: the last].
+    #[arg(long, conflicts_with_all = ["film", "turntable"])]
+    pub(crate) frame: Option<usize>,
+    /// Draw every frame of a run, into a folder of numbered pictures, and a film if ffmpeg is
+    /// there.
+    #[arg(long, conflicts_with = "turntable")]
+    pub(crate) film: bool,
+    /// Draw so many pictures around the last frame.
+    #[arg(long, value_name = "COUNT", value_parser = clap::value_parser!(u16).range(2..))]
+    pub(crate) turntable: Option<u16>,
+    /// Width and height, pixels.
+    #[arg(long, default_value = "960x720", value_parser = size)]
+    pub(crate) size: [u32; 2],
+    /// Where the camera is: front, right, back, left, top, or AZIMUTH,ELEVATION in degrees, around
+    /// all that is shown; or X,Y,Z:X,Y,Z, its place and what it looks at, m.
+    #[arg(long, default_value = "20,12", value_parser = CameraPlace::from_str, allow_hyphen_values = true)]
+    pub(crate) camera: CameraPlace,
+    /// Field of view across the picture, degrees.
+    #[arg(long, default_value_t = 30.0, value_parser = degrees)]
+    pub(crate) view: f64,
+    /// Paths for each pixel.
+    #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..))]
+    pub(crate) samples: u32,
+    /// Order of scattering after which paths end: 0 is light that one fibre has scattered
+    /// [default: paths end by chance, and nothing is left out].
+    #[arg(long)]
+    pub(crate) order: Option<u32>,
+    /// Color of the hair: white, blond, brown, red or black.
+    #[arg(long, default_value = "brown", value_parser = pigments)]
+    pub(crate) hair: Pigments,
+    /// Model of the scattering: near, far, or chiang, that of other renderers.
+    #[arg(long, default_value = "near", value_parser = HairModel::from_str)]
+    pub(crate) model: HairModel,
+    /// Color fibres by strain, curvature, tension, speed or fibre instead, with a legend.
+    #[arg(long, value_name = "QUANTITY", value_parser = Coloring::from_str)]
+    pub(crate) color_by: Option<Coloring>,
+    /// Straight pieces from node to node instead of smooth curves.
+    #[arg(long)]
+    pub(crate) linear: bool,
+    /// Leave the ground out.
+    #[arg(long)]
+    pub(crate) no_ground: bool,
+    /// Light of the sky from an EXR in latitude and longitude instead of that of a studio.
+    #[arg(long, value_name = "EXR")]
+    pub(crate) sky: Option<PathBuf>,
+    /// Time of exposure, s, for which fibres blur by their velocities.
+    #[arg(long, default_value_t = 0.0, value_name = "SECONDS")]
+    pub(crate) shutter: f64,
+    /// Stops by which the picture is brightened.
+    #[arg(long, default_value_t = 0.0, allow_hyphen_values = true)]
+    pub(crate) exposure: f64,
+    /// Write an EXR too, with albedo, normal, depth and number of the fibre.
+    #[arg(long)]
+    pub(crate) exr: bool,
+    /// Seed of the random numbers.
+    #[arg(long, default_value_t = 1)]
+    pub(crate) seed: u64,
+    /// Go on with the picture that was interrupted.
+    #[arg(long, conflicts_with_all = ["film", "turntable"])]
+    pub(crate) resume: bool,
+    /// Threads, at most four for each core [default: all cores]. The picture does not depend on it.
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..))]
+    pub(crate) threads: Option<u16>,
+}
+
+/// Width and height.
+fn size(text: &str) -> Result<[u32; 2], String> {
+    let sides = text.split_once(['x', 'X']).map(|(w, h)| [w.parse(), h.parse()]);
+    match sides {
+        Some([Ok(width), Ok(height)]) if width > 0 && height > 0 => Ok([width, height]),
+        _ => Err("it must be WIDTHxHEIGHT, such as 960x720".into()),
+    }
+}
+
+fn degrees(text: &str) -> Result<f64, String> {
+    let within = |x: &f64| *x >= 0.1 && *x <= 150.0;
+    text.parse().ok().filter(within).ok_or_else(|| "it must be 0.1 to 150 degrees".to_owned())
+}
+
+/// Where a camera is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum CameraPlace {
+    /// Around all that is shown: azimuth from the front to the right, and elevation, degrees.
+    Around([f64; 2]),
+    /// At a place, m, looking at another.
+    At([[f64; 3]; 2]),
+}
+
+impl FromStr for CameraPlace {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numbers = |text: &str| -> Option<Vec<f64>> {
+            text.split(',').map(|x| x.trim().parse().ok().filter(|x: &f64| x.is_finite())).collect()
+        };
+        let around = match text {
+            "front" => Some([0.0, 0.0]),
+            "right" => Some([90.0, 0.0]),
+            "back" => Some([180.0, 0.0]),
+            "left" => Some([-90.0, 0.0]),
+            "top" => Some([0.0, 90.0]),
+            _ => numbers(text).and_then(|angles| angles.try_into().ok()),
+        };
+        let at = text.split_once(':').and_then(|(from, to)| {
+            Some([numbers(from)?.try_into().ok()?, numbers(to)?.try_into().ok()?])
+        });
+        match (around, at) {
+            (Some([_, elevation]), _) if !(-90.0..=90.0).contains(&elevation) => {
+                Err("the elevation must be -90 to 90 degrees".into())
+            }
+            (Some(angles), _) => Ok(Self::Around(angles)),
+            (_, Some(places)) => Ok(Self::At(places)),
+            _ => Err(format!(
+                "\"{text}\" is no place of a camera: take front, right, back, left, top, \
+                 AZIMUTH,ELEVATION or X,Y,Z:X,Y,Z"
+            )),
+        }
+    }
 }
 
 #[derive(Debug, Args)]

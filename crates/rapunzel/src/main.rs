@@ -8,6 +8,7 @@ mod grow;
 mod info;
 mod lab;
 mod new;
+mod render;
 mod run;
 mod solve;
 mod templates;
@@ -29,6 +30,7 @@ fn main() -> ExitCode {
         Command::Solve(options) => solve::solve(&options, json),
         Command::Info { folder } => info::info(&folder, json),
         Command::Lab(options) => lab::lab(&options, json),
+        Command::Render(options) => render::render(&options, json),
     };
     result.unwrap_or_else(|failure| failure.tell(json))
 }

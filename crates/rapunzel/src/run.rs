@@ -18,7 +18,7 @@ use std::time::{Duration, Instant};
 /// The most threads for a core.
 const MOST_THREADS: usize = 4;
 
-static CANCEL: Cancel = Cancel::new();
+pub(crate) static CANCEL: Cancel = Cancel::new();
 static BEGIN: LazyLock<Instant> = LazyLock::new(Instant::now);
 
 /// Runs a scene into a folder.
@@ -37,7 +37,7 @@ pub(crate) fn run(options: &RunOptions, memory: f64, json: bool) -> Result<ExitC
         RunFolder::open(&path, existing).map_err(|error| advise(error, &options.scene))?;
     folder.protect(&options.scene);
     start_log(&folder.log())?;
-    catch_interrupts()?;
+    catch_interrupts("interrupted within a step: --resume goes on from the last frame")?;
 
     let bar = if json { ProgressBar::hidden() } else { progress_bar() };
     let start = Instant::now();
@@ -187,7 +187,7 @@ fn start_log(path: &Path) -> Result<(), Failure> {
 const PATIENCE: Duration = Duration::from_millis(800);
 
 /// Sets the number of threads, before anything is done in parallel.
-fn start_threads(threads: Option<u16>) -> Result<(), Failure> {
+pub(crate) fn start_threads(threads: Option<u16>) -> Result<(), Failure> {
     let cores = std::thread::available_parallelism().map_or(1, NonZero::get);
     let (asked, most) = (threads.map_or(cores, usize::from), MOST_THREADS * cores);
     if asked > most {
@@ -202,14 +202,14 @@ fn start_threads(threads: Option<u16>) -> Result<(), Failure> {
 }
 
 /// Sets what an interrupt does: the first asks for a checkpoint, and leaves at once if a step does
-/// not end soon; so does the second. The run then is as a kill leaves it, and goes on from its last
-/// frame.
-fn catch_interrupts() -> Result<(), Failure> {
-    ctrlc::set_handler(|| {
+/// not end soon, saying `unheard`; so does the second. The run then is as a kill leaves it, and
+/// goes on from its last frame.
+pub(crate) fn catch_interrupts(unheard: &'static str) -> Result<(), Failure> {
+    ctrlc::set_handler(move || {
         let asked_before = CANCEL.ask();
         std::thread::sleep(if asked_before { Duration::ZERO } else { PATIENCE });
         if asked_before || !CANCEL.is_heard() {
-            complain("interrupted within a step: --resume goes on from the last frame");
+            complain(unheard);
             std::process::exit(INTERRUPTED.into());
         }
     })

@@ -5,7 +5,7 @@ mod wavy;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use nalgebra::{Point3, Vector3};
-use rapunzel_render::{CurveBasis, Curves, PathRandom, Ray};
+use rapunzel_render::{CurveForm, Curves, PathRandom, Ray};
 use std::hint::black_box;
 
 const RAYS: u32 = 1 << 14;
@@ -28,13 +28,13 @@ fn bench(c: &mut Criterion) {
     let (rays, range) = (primary(), [0.0, f64::INFINITY]);
     for count in [1000, 10_000] {
         let fibers = wavy::wavy(count, 48);
-        let curves = Curves::new(CurveBasis::Cubic, None, &fibers).expect("sound");
+        let curves = Curves::new(CurveForm::Cubic, None, &fibers).expect("sound");
         let hits = || rays.iter().filter(|ray| curves.hit(black_box(ray), range).is_some()).count();
         group.throughput(Throughput::Elements(u64::from(RAYS)));
         group.bench_function(format!("primary/{count}"), |b| b.iter(hits));
         group.throughput(Throughput::Elements(u64::from(count) * 47));
         group.bench_function(format!("build/{count}"), |b| {
-            b.iter(|| Curves::new(CurveBasis::Cubic, None, &fibers));
+            b.iter(|| Curves::new(CurveForm::Cubic, None, &fibers));
         });
     }
     group.finish();

@@ -9,7 +9,7 @@ mod wavy;
 use nalgebra::{Point3, Vector3};
 use rapunzel_fiber::Section;
 use rapunzel_render::{
-    Camera, CurveBasis, Curves, FiberLook, Film, Hairs, Light, LightSearch, Lights, PathTracer,
+    Camera, CurveForm, Curves, FiberLook, Film, Hairs, Light, LightSearch, Lights, PathTracer,
     Projection, RenderScene, Sky, Tone, write_png,
 };
 use rapunzel_scattering::{ChiangField, FarField, FiberBsdf, FiberOptics, NearField};
@@ -34,7 +34,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         _ => Box::new(ChiangField::new(optics)?),
     };
     let begun = Instant::now();
-    let curves = Curves::new(CurveBasis::Cubic, None, &wavy::wavy(count, 48))?;
+    let curves = Curves::new(CurveForm::Cubic, None, &wavy::wavy(count, 48))?;
     println!("build {:.3} s", begun.elapsed().as_secs_f64());
     println!("memory_of_curves {:.1} MiB", curves.bytes() as f64 / 1_048_576.0);
     let look = FiberLook::Scattering { bsdf, albedo: Vector3::repeat(0.5) };

@@ -19,7 +19,7 @@ mod tree;
 mod vertex;
 
 pub use camera::{Camera, Projection};
-pub use curves::{CurveBasis, CurveHit, Curves, FiberCurve, TubePoint};
+pub use curves::{CurveForm, CurveHit, Curves, FiberCurve, TubePoint};
 pub use error::RenderError;
 pub use film::{Film, FilmKey, FilmPixel, FilmSample, FirstSurface};
 pub use image::{Tone, read_exr_map, write_exr, write_png};

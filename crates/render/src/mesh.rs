@@ -2,7 +2,8 @@
 
 use crate::check::{check, check_point};
 use crate::tree::{
-    Bounds, Leaf, Leaves, NONE, SignBits, Tree, TreeRay, Walk, rounding, short, single, walk,
+    LeafThings, Leaves, NONE, RayBox, RayQuery, RayTree, SignBits, TreeRay, rounding, short,
+    single, walk,
 };
 use crate::{Ray, RenderError};
 use nalgebra::{Point3, Vector3};
@@ -10,15 +11,16 @@ use pulp::Simd;
 
 /// A surface of triangles, seen from both sides, in a tree that finds where rays meet it.
 ///
-/// Rays slip through no edge: beside it both triangles compute the same number, with opposite signs.
+/// Rays slip through no edge: beside it both triangles compute the same number, with opposite
+/// signs.
 #[derive(Debug, Clone)]
 pub struct TriangleMesh {
     vertices: Vec<Point3<f64>>,
     triangles: Vec<[u32; 3]>,
     /// Normals at the corners of triangles, of unit length.
     normals: Vec<[Vector3<f32>; 3]>,
-    tree: Tree,
-    leaves: Vec<Leaf>,
+    tree: RayTree,
+    leaves: Vec<LeafThings>,
     middle: Point3<f64>,
     extent: f64,
 }
@@ -45,8 +47,8 @@ pub struct FacePoint {
 }
 
 impl TriangleMesh {
-    /// A surface by its vertices (world), m, and its triangles; edges at which it bends by more than
-    /// `crease`, rad, stay sharp.
+    /// A surface by its vertices (world), m, and its triangles; edges at which it bends by more
+    /// than `crease`, rad, stay sharp.
     ///
     /// # Errors
     /// [`RenderError::Parameter`] if a vertex is not finite, or a triangle has a corner that is not
@@ -72,9 +74,9 @@ impl TriangleMesh {
         let bounds = |corners: &[u32; 3]| {
             let [a, b, c] = corners.map(|corner| vertices[corner as usize] - middle);
             let (low, high) = (a.inf(&b).inf(&c) - spare, a.sup(&b).sup(&c) + spare);
-            Bounds::new(single(&low.into()), single(&high.into()))
+            RayBox::new(single(&low.into()), single(&high.into()))
         };
-        let (tree, leaves) = Tree::new(triangles.iter().map(bounds).collect());
+        let (tree, leaves) = RayTree::new(triangles.iter().map(bounds).collect());
         Ok(Self { vertices, triangles, normals, tree, leaves, middle, extent })
     }
 
@@ -87,16 +89,16 @@ impl TriangleMesh {
     /// The first triangle that a ray meets farther than `range[0]` and nearer than `range[1]`, m.
     #[must_use]
     pub fn hit(&self, ray: &Ray, range: [f64; 2]) -> Option<MeshHit> {
-        self.walk(ray, range, Walk::Nearest)
+        self.walk(ray, range, RayQuery::Nearest)
     }
 
     /// Whether a ray meets any triangle between two distances, m.
     #[must_use]
     pub fn hides(&self, ray: &Ray, range: [f64; 2]) -> bool {
-        self.walk(ray, range, Walk::Any).is_some()
+        self.walk(ray, range, RayQuery::Any).is_some()
     }
 
-    fn walk(&self, ray: &Ray, range: [f64; 2], until: Walk) -> Option<MeshHit> {
+    fn walk(&self, ray: &Ray, range: [f64; 2], until: RayQuery) -> Option<MeshHit> {
         let mut in_tree = TreeRay::new(ray, range, &self.middle, self.extent)?;
         walk(&self.tree, &mut TriangleLeaves { mesh: self, ray, range }, &mut in_tree, until)
     }

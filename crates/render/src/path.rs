@@ -1,5 +1,5 @@
 use crate::scene::RenderScene;
-use crate::vertex::{Onward, Vertex};
+use crate::vertex::{Onward, PathVertex};
 use crate::{FilmPixel, FilmSample, FirstSurface, LightHit, PathRandom, Ray};
 use nalgebra::Vector3;
 
@@ -96,7 +96,7 @@ pub(crate) fn trace(
 /// Light that comes to a vertex straight from a light and is scattered back along the path.
 fn direct(
     scene: &RenderScene,
-    vertex: &Vertex<'_>,
+    vertex: &PathVertex<'_>,
     time: f64,
     search: LightSearch,
     random: &mut PathRandom,
@@ -118,7 +118,7 @@ fn direct(
     value.component_mul(&light.radiance) * (share / light.pdf)
 }
 
-fn first_surface(vertex: &Vertex<'_>, depth: f64) -> FirstSurface {
+fn first_surface(vertex: &PathVertex<'_>, depth: f64) -> FirstSurface {
     let fiber = vertex.fiber.and_then(|fiber| u32::try_from(fiber).ok());
     FirstSurface {
         albedo: vertex.scatterer.albedo(),

@@ -1,5 +1,5 @@
 use crate::check::{check, check_light};
-use crate::vertex::{Scatterer, Vertex};
+use crate::vertex::{PathVertex, VertexScattering};
 use crate::{CurveHit, Curves, Lights, MeshHit, Ray, RenderError, TriangleMesh};
 use nalgebra::{Matrix3, Vector3};
 use rapunzel_scattering::FiberBsdf;
@@ -54,8 +54,8 @@ impl RenderScene {
     /// Fibres, and surfaces with their albedos, red, green and blue, in lights.
     ///
     /// # Errors
-    /// [`RenderError::Parameter`] if an albedo is not in `[0, 1]`, or there are not as many colors as
-    /// nodes.
+    /// [`RenderError::Parameter`] if an albedo is not in `[0, 1]`, or there are not as many colors
+    /// as nodes.
     pub fn new(
         hairs: Vec<Hairs>,
         bodies: Vec<(TriangleMesh, Vector3<f64>)>,
@@ -110,17 +110,20 @@ impl RenderScene {
     }
 
     /// The vertex of a path that a ray makes where it hits.
-    pub(crate) fn vertex(&self, ray: &Ray, hit: &SceneHit) -> Vertex<'_> {
+    pub(crate) fn vertex(&self, ray: &Ray, hit: &SceneHit) -> PathVertex<'_> {
         match hit {
             SceneHit::Face(index, hit) => {
                 let (mesh, albedo) = &self.bodies[*index];
                 let point = mesh.at(ray, hit);
                 // Rounding of the place is far below, what one sees far above a part in 1e9.
                 let clearance = 1e-9 * (1.0 + point.position.coords.amax());
-                let scatterer =
-                    Scatterer::Matte { face: point.face, normal: point.normal, albedo: *albedo };
+                let scatterer = VertexScattering::Matte {
+                    face: point.face,
+                    normal: point.normal,
+                    albedo: *albedo,
+                };
                 let (position, fiber) = (point.position, None);
-                Vertex { position, normal: point.normal, clearance, fiber, scatterer }
+                PathVertex { position, normal: point.normal, clearance, fiber, scatterer }
             }
             SceneHit::Fiber(index, hit) => {
                 let Hairs { curves, look } = &self.hairs[*index];
@@ -130,17 +133,22 @@ impl RenderScene {
                         let frame = Matrix3::from_columns(&point.frame);
                         let from = frame.tr_mul(&-ray.direction);
                         let arrival = bsdf.arrive(point.offset, &from);
-                        Scatterer::Fiber { bsdf: bsdf.as_ref(), arrival, frame, albedo: *albedo }
+                        VertexScattering::Fiber {
+                            bsdf: bsdf.as_ref(),
+                            arrival,
+                            frame,
+                            albedo: *albedo,
+                        }
                     }
                     FiberLook::Colored(colors) => {
                         let albedo = curves.between(&point, colors).cast();
-                        Scatterer::Matte { face: point.normal, normal: point.normal, albedo }
+                        VertexScattering::Matte { face: point.normal, normal: point.normal, albedo }
                     }
                 };
                 // A path goes on from where it came in, and does not come in there again.
                 let clearance = 1e-3 * point.radius;
                 let (position, fiber) = (point.position, Some(point.fiber));
-                Vertex { position, normal: point.normal, clearance, fiber, scatterer }
+                PathVertex { position, normal: point.normal, clearance, fiber, scatterer }
             }
         }
     }

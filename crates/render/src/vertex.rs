@@ -5,7 +5,7 @@ use rapunzel_scattering::{Arrival, FiberBsdf};
 use std::f64::consts::{FRAC_1_PI, TAU};
 
 /// Where a path meets something.
-pub(crate) struct Vertex<'a> {
+pub(crate) struct PathVertex<'a> {
     /// The point (world), m.
     pub(crate) position: Point3<f64>,
     /// Normal (world), of unit length.
@@ -14,11 +14,11 @@ pub(crate) struct Vertex<'a> {
     pub(crate) clearance: f64,
     /// Index of the fibre.
     pub(crate) fiber: Option<usize>,
-    pub(crate) scatterer: Scatterer<'a>,
+    pub(crate) scatterer: VertexScattering<'a>,
 }
 
 /// How light is scattered there.
-pub(crate) enum Scatterer<'a> {
+pub(crate) enum VertexScattering<'a> {
     /// By a fibre, whose frame has the columns d1, d2, d3 (world).
     Fiber {
         bsdf: &'a (dyn FiberBsdf + Send + Sync),
@@ -40,7 +40,7 @@ pub(crate) struct Onward {
     pub(crate) pdf: f64,
 }
 
-impl Scatterer<'_> {
+impl VertexScattering<'_> {
     pub(crate) fn albedo(&self) -> Vector3<f64> {
         match self {
             Self::Fiber { albedo, .. } | Self::Matte { albedo, .. } => *albedo,

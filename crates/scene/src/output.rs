@@ -47,6 +47,9 @@ pub enum Format {
     Hair,
     /// POV-Ray scene description, a file for each frame, of fibres, springs and objects.
     Pov,
+    /// Scene of Mitsuba 3 for each frame, of fibres, springs and objects: brown hair as smooth
+    /// curves through the nodes.
+    Mitsuba,
 }
 
 /// A quantity of one node over time.

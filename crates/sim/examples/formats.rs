@@ -1,9 +1,11 @@
 //! Simulates a swinging lock and writes it in every format into the folder that is named on the
 //! command line.
 
-use rapunzel_export::{Frame, Strand, hair, pov, preview, pvd, usd, vtp};
+use rapunzel_export::{Frame, Strand, hair, mitsuba, pov, pvd, usd, vtp};
 use rapunzel_fiber::Fiber;
+use rapunzel_scattering::Pigments;
 use rapunzel_sim::{Plan, Scene, World};
+use rapunzel_studio::sheet;
 use std::error::Error;
 use std::fmt::Write as _;
 use std::fs::{self, File};
@@ -73,10 +75,13 @@ fn write(folder: &Path, frames: &[Frame]) -> Result<(), Box<dyn Error>> {
     usd::root(&mut create("scene.usda")?, &timeline, &["fibers.usda"])?;
     hair::write(&mut create("frame4.hair")?, &frames[4])?;
     pov::write(&mut create("frame4.pov")?, &frames[4], &[])?;
-    let pictures =
-        frames.iter().cloned().map(|frame| preview::PreviewFrame::new(frame, Vec::new()));
+    mitsuba::write_curves(&mut create("frame4.txt")?, &frames[4])?;
+    let look = mitsuba::MitsubaHair::usual(Pigments::BROWN.absorption()?.into());
+    let files = mitsuba::SceneFiles { curves: "frame4.txt", objects: "" };
+    mitsuba::write(&mut create("frame4.xml")?, &frames[4], &[], &look, files)?;
+    let pictures = frames.iter().cloned().map(|frame| sheet::PreviewFrame::new(frame, Vec::new()));
     let pictures = pictures.collect::<Result<Vec<_>, _>>()?;
-    preview::write(&mut create("preview.png")?, &pictures, &[], &[])?;
+    sheet::write(&mut create("preview.png")?, &pictures, &[], &[])?;
     Ok(())
 }
 

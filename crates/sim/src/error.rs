@@ -2,7 +2,6 @@ use rapunzel_charging::ChargingError;
 use rapunzel_collision::CollisionError;
 use rapunzel_contact::ContactError;
 use rapunzel_coupling::CouplingError;
-use rapunzel_export::ExportError;
 use rapunzel_fiber::FiberError;
 use rapunzel_hairgen::HairgenError;
 use rapunzel_keratin::KeratinError;
@@ -11,6 +10,7 @@ use rapunzel_rod_dynamic::{EquilibriumError, RodError};
 use rapunzel_rod_static::StaticError;
 use rapunzel_scene::SceneError;
 use rapunzel_strands::StrandsError;
+use rapunzel_studio::StudioError;
 use std::io;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -34,6 +34,24 @@ pub enum SimError {
         path: PathBuf,
         /// What is wrong with it.
         source: StrandsError,
+    },
+    /// Strands in a file cannot be read.
+    #[error("{}: {source}", path.display())]
+    StrandFile {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: StrandsError,
+    },
+    /// A folder with nothing to draw.
+    #[error(
+        "{} holds nothing to draw: give the folder of a run with frames or of a grown style, a scene, \
+         a style, or a file of strands",
+        path.display()
+    )]
+    Nothing {
+        /// The folder.
+        path: PathBuf,
     },
     /// Nothing of a groom is left.
     #[error(
@@ -231,13 +249,13 @@ pub enum SimError {
         /// What the operating system said.
         source: io::Error,
     },
-    /// A frame cannot be written or read back.
+    /// A frame cannot be written, read back, or drawn.
     #[error("{}: {source}", path.display())]
     Export {
         /// The file.
         path: PathBuf,
         /// Why.
-        source: ExportError,
+        source: StudioError,
     },
     /// The simulation is at its end, but some of its files could not be written.
     #[error(
@@ -323,8 +341,8 @@ pub enum SimError {
 
 impl SimError {
     /// An [`SimError::Export`] of a file.
-    pub(crate) fn export(path: &Path) -> impl FnOnce(ExportError) -> Self {
-        move |source| Self::Export { path: path.to_owned(), source }
+    pub(crate) fn export<E: Into<StudioError>>(path: &Path) -> impl FnOnce(E) -> Self {
+        move |source| Self::Export { path: path.to_owned(), source: source.into() }
     }
 
     /// An [`SimError::Io`] from what was tried on which path.

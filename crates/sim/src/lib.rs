@@ -15,6 +15,7 @@ mod mass_spring;
 mod objects;
 mod observers;
 mod run;
+mod shown;
 pub mod statics;
 mod stepper;
 mod steppers;
@@ -36,6 +37,7 @@ pub use rapunzel_coupling::{
 };
 pub use rapunzel_scene::{self as scene, Plan, Scene};
 pub use run::{Cancel, Control, Progress, run};
+pub use shown::{Shown, ShownFrame, ShownStage};
 pub use stepper::{FiberStates, Scenery, Stepper};
 pub use storage::write_atomically;
 pub use summary::{LeftOut, Outcome, Statistics, Summary};

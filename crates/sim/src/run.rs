@@ -51,7 +51,8 @@ impl Cancel {
         self.heard.load(Ordering::Relaxed)
     }
 
-    fn hear(&self) -> bool {
+    /// Whether somebody has asked; whoever looks is about to stop.
+    pub fn hear(&self) -> bool {
         let asked = self.asked.load(Ordering::Relaxed);
         self.heard.store(asked, Ordering::Relaxed);
         asked

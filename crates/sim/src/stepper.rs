@@ -3,10 +3,10 @@ use nalgebra::{Point3, Vector3};
 use rapunzel_charging::ChargedRods;
 use rapunzel_coupling::{EnergyLedger, FibersInContact, StepReport, Stopwatch, Surroundings};
 use rapunzel_export::Strand;
-use rapunzel_export::preview::Support;
 use rapunzel_export::usd::{Prim, PrimShape};
 use rapunzel_fiber::Assembly;
 use rapunzel_rod_dynamic::{Energy, Momentum, RodState};
+use rapunzel_studio::sheet::Support;
 use std::ops::Range;
 
 /// Something that moves, with its whole state: the seam between a [world](crate::World), which has

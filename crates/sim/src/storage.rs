@@ -2,6 +2,7 @@
 
 use crate::SimError;
 use rapunzel_export::ExportError;
+use rapunzel_studio::StudioError;
 use std::fs::{self, File};
 use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
@@ -80,15 +81,15 @@ pub(crate) fn sync(folder: &Path) -> Result<(), SimError> {
     Ok(())
 }
 
-/// Writes a file of `export`, which replaces what was there.
-pub(crate) fn save(
+/// Writes a file of `export` or a picture, which replaces what was there.
+pub(crate) fn save<E: Into<StudioError>>(
     path: &Path,
-    write: impl FnOnce(&mut BufWriter<File>) -> Result<(), ExportError>,
+    write: impl FnOnce(&mut BufWriter<File>) -> Result<(), E>,
 ) -> Result<(), SimError> {
     let mut refused = None;
-    let written = replace(path, |to| match write(to) {
+    let written = replace(path, |to| match write(to).map_err(Into::into) {
         Ok(()) => Ok(()),
-        Err(ExportError::Io(error)) => Err(error),
+        Err(StudioError::Io(error) | StudioError::Frame(ExportError::Io(error))) => Err(error),
         Err(error) => {
             refused = Some(error);
             Err(io::ErrorKind::InvalidData.into())

@@ -6,11 +6,12 @@ use crate::{SimError, read_text, write_atomically};
 use nalgebra::{Isometry3, Point3, Rotation3, Vector3};
 use rapunzel_collision::field::{Mesh, Soup};
 use rapunzel_export::surface::{self, Placed};
-use rapunzel_export::{ExportError, Frame, Strand, data, hair, obj, ply, preview, usd, vtp};
+use rapunzel_export::{ExportError, Frame, Strand, data, hair, obj, ply, usd, vtp};
 use rapunzel_fiber::so3;
 use rapunzel_hairgen::HairgenError;
 pub use rapunzel_hairgen::style::{GrowthStage, Hairstyle, Style, StyleReport};
 use rapunzel_scene::{Scene, style_from_ron};
+use rapunzel_studio::sheet::{self, PreviewFrame};
 use std::fs::File;
 use std::io::{self, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
@@ -21,9 +22,9 @@ const HAIR_RADIUS: f64 = 35e-6;
 const SHOWN: usize = 4000;
 
 /// Names of the files.
-const HAIRS: [&str; 6] =
+pub(crate) const HAIRS: [&str; 6] =
     ["hairs.vtp", "hairs.usda", "hairs.hair", "hairs.data", "hairs.obj", "hairs.ply"];
-const HEAD: &str = "head.vtp";
+pub(crate) const HEAD: &str = "head.vtp";
 const PREVIEW: &str = "preview.png";
 
 /// Reads the style in a file.
@@ -106,8 +107,9 @@ pub fn save(style: &Hairstyle, folder: &Path) -> Result<(), SimError> {
         let shown = Frame { index: 0, time: 0.0, strands: strands.collect() };
         let head = placed(style, upright);
         write(PREVIEW, &|to| {
-            let frame = preview::PreviewFrame::new(shown.clone(), Vec::new())?;
-            preview::write(to, &[frame], &[vec![head.clone()]], &[])
+            let frame = PreviewFrame::new(shown.clone(), Vec::new()).map_err(io::Error::other)?;
+            let sheet = sheet::write(to, &[frame], &[vec![head.clone()]], &[]);
+            Ok(sheet.map_err(io::Error::other)?)
         })
     };
     let (plain, scene) = rayon::join(plain_files, scene_files);
@@ -145,8 +147,16 @@ fn stage<'a>(
     usd::Strands::new(timeline, "Style", vec![prim], open)?.write(to, None)
 }
 
+/// The hairs and the head of a style, z up.
+pub(crate) fn shown(style: &Hairstyle) -> (Frame, Placed) {
+    let upright = |curve: &[Point3<f64>]| curve.iter().map(|p| upright(*p)).collect::<Vec<_>>();
+    let curves = style.hairs.iter().filter(|curve| curve.len() > 1);
+    let strands = curves.map(|curve| strand(&upright(curve))).collect();
+    (Frame { index: 0, time: 0.0, strands }, placed(style, self::upright))
+}
+
 /// A hair at rest, its frames carried along without a twist.
-fn strand(points: &[Point3<f64>]) -> Strand {
+pub(crate) fn strand(points: &[Point3<f64>]) -> Strand {
     let segments = points.len() - 1;
     let mut frame = Rotation3::identity();
     let frames = points.windows(2).map(|ends| {

@@ -9,6 +9,9 @@ use super::ExportError;
 use nalgebra::Isometry3;
 use rapunzel_collision::field::Soup;
 
+/// Colour of objects: red, green and blue, linear.
+pub(super) const COLOR: [f64; 3] = [0.4, 0.45, 0.5];
+
 /// An object with its pose and its surface.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Placed {
@@ -19,7 +22,10 @@ pub struct Placed {
 }
 
 /// Refuses vertices that are not finite, and corners that refer to no vertex.
-pub(super) fn check(surface: &Soup) -> Result<(), ExportError> {
+///
+/// # Errors
+/// [`ExportError::Surface`] says which.
+pub fn check(surface: &Soup) -> Result<(), ExportError> {
     let count = surface.vertices.len();
     let what = if !surface.vertices.iter().flat_map(|p| p.iter()).all(|x| x.is_finite()) {
         "has a vertex that is not finite; the simulation has failed"

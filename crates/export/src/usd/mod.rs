@@ -4,16 +4,20 @@
 //! springs, and of [objects](objects()) below it; each of them has the same range of time and can
 //! be opened alone. Lengths are in single precision, as the schemas have them, with the fewest
 //! digits that read back the same. Layers that would be large have their samples in value clips.
+//! Curves have widths, velocities, `primvars:id`, which is the number of the strand, and
+//! `primvars:d1`, the first axis of the section, of the segment that begins at the point.
 //! The binary form, `.usdc`, is not written: there is no library for it yet that this workspace's
 //! Rust compiles.
 
 mod objects;
+mod prim;
 mod strands;
 #[cfg(test)]
 mod tests;
 
 pub use objects::write as objects;
-pub use strands::{Clips, Prim, PrimShape, Strands};
+pub use prim::{Clips, Prim, PrimShape};
+pub use strands::Strands;
 
 use super::ExportError;
 use std::io::Write;

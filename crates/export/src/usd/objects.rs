@@ -1,12 +1,9 @@
 use super::{ROOT, Timeline, begin_prim, material};
 use crate::ExportError;
-use crate::surface::Placed;
+use crate::surface::{COLOR, Placed};
 use crate::text::{integers, list, triple};
 use nalgebra::Isometry3;
 use std::io::Write;
-
-/// Colour of objects: red, green and blue, linear.
-const COLOR: [f64; 3] = [0.4, 0.45, 0.5];
 
 /// Writes a layer of objects, each a `Mesh` in its own frame that is moved by its transform.
 ///

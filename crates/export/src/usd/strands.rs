@@ -1,4 +1,4 @@
-use super::{ROOT, Timeline, begin_prim, material};
+use super::{Clips, Prim, PrimShape, ROOT, Timeline, begin_prim, material};
 use crate::ExportError;
 use crate::text::{integers, list, single, triple};
 use crate::vtp::Arrays;
@@ -15,53 +15,16 @@ pub struct Strands<F> {
     /// Name of the prim that holds all others.
     scope: &'static str,
     prims: Vec<Prim>,
+    /// Whether curves are smooth.
+    smooth: bool,
     /// Function that opens a frame by its number.
     open: F,
     /// Index of the first point of each strand, and the number of all points.
     starts: Vec<usize>,
 }
 
-/// Strands that are shown as one prim.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Prim {
-    /// Name of the prim: letters, digits and `_`.
-    pub name: String,
-    /// Kind of the prim.
-    pub shape: PrimShape,
-    /// Colour as red, green and blue, linear, in `[0, 1]`.
-    pub color: [f64; 3],
-}
-
-/// Kinds of prims that strands are shown as.
-#[derive(Debug, Clone, PartialEq)]
-pub enum PrimShape {
-    /// `BasisCurves`, straight between the points as they were simulated.
-    Curves {
-        /// Range of the strands.
-        strands: Range<usize>,
-        /// Whether the curves are guides, shown in the viewport but not rendered.
-        guide: bool,
-    },
-    /// A `Mesh` whose vertices are points of strands.
-    Surface {
-        /// The strand of each vertex, and the index of the point in it.
-        vertices: Vec<[usize; 2]>,
-        /// The vertices of each face, in order.
-        faces: Vec<Vec<usize>>,
-    },
-}
-
-/// Names of the files of the value clips of a layer, relative to its folder.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Clips {
-    /// Name of the manifest, which lists the attributes of the clips.
-    pub manifest: String,
-    /// Name of each clip with its range of consecutive frames.
-    pub files: Vec<(Range<usize>, String)>,
-}
-
-/// Approximate number of bytes of text of a point in a frame: position and velocity, six numbers.
-const POINT: usize = 75;
+/// Approximate number of bytes of text of a point in a frame: position, velocity and direction.
+const POINT: usize = 110;
 
 impl<R: BufRead + Seek, F: Fn(usize) -> Result<R, ExportError>> Strands<F> {
     /// Creates the layer of `prims`; `open` opens a frame by its number, from 0.
@@ -98,7 +61,14 @@ impl<R: BufRead + Seek, F: Fn(usize) -> Result<R, ExportError>> Strands<F> {
         if !prims.iter().all(|prim| there(&prim.shape)) {
             return Err(ExportError::Series { index: 0, what: "it has no such strands" });
         }
-        Ok(Self { timeline, scope, prims, open, starts })
+        Ok(Self { timeline, scope, prims, smooth: false, open, starts })
+    }
+
+    /// Shows all curves as Catmull-Rom curves, which pass through the same points, instead of
+    /// straight between them.
+    #[must_use]
+    pub fn smooth(self) -> Self {
+        Self { smooth: true, ..self }
     }
 
     /// Ranges of the frames of each value clip, if a layer without clips would have more than
@@ -160,8 +130,9 @@ impl<R: BufRead + Seek, F: Fn(usize) -> Result<R, ExportError>> Strands<F> {
     /// # Errors
     /// Fails if `out` does.
     pub fn write_manifest(&self, out: &mut impl Write) -> Result<(), ExportError> {
-        self.write_over(out, |out, _| {
-            ATTRIBUTES.iter().try_for_each(|name| Ok(writeln!(out, "            {name}")?))
+        self.write_over(out, |out, shape| {
+            let names = StrandQuantity::of(shape).iter().map(|quantity| quantity.attribute());
+            names.chain([EXTENT]).try_for_each(|name| Ok(writeln!(out, "            {name}")?))
         })
     }
 
@@ -220,17 +191,23 @@ impl<R: BufRead + Seek, F: Fn(usize) -> Result<R, ExportError>> Strands<F> {
                 if *guide {
                     writeln!(out, "            uniform token purpose = \"guide\"")?;
                 }
-                writeln!(
-                    out,
-                    "            uniform token type = \"linear\"\n            uniform token wrap = \
-                     \"nonperiodic\""
-                )?;
+                // Pinned curves begin and end at their first and last points.
+                let form: &[_] = if self.smooth {
+                    &["type = \"cubic\"", "basis = \"catmullRom\"", "wrap = \"pinned\""]
+                } else {
+                    &["type = \"linear\"", "wrap = \"nonperiodic\""]
+                };
+                for token in form {
+                    writeln!(out, "            uniform token {token}")?;
+                }
                 write!(out, "            int[] curveVertexCounts = ")?;
                 let starts = &self.starts[strands.start..=strands.end];
                 integers(out, "points", starts.windows(2).map(|ends| ends[1] - ends[0]))?;
                 write!(out, "\n            int[] primvars:id = ")?;
                 integers(out, "strands", strands.clone())?;
-                writeln!(out, " (\n                interpolation = \"uniform\"\n            )")?;
+                interpolation(out, "uniform")?;
+                write!(out, "            {}", StrandQuantity::Director.attribute())?;
+                interpolation(out, "vertex")?;
                 self.widths(out, strands)
             }
             PrimShape::Surface { faces, .. } => {
@@ -259,11 +236,10 @@ impl<R: BufRead + Seek, F: Fn(usize) -> Result<R, ExportError>> Strands<F> {
             range = [range[0].min(radius), range[1].max(radius)];
         }
         let shown = if range[0] == range[1] { points.start..points.start + 1 } else { points };
-        let interpolation = if shown.len() == 1 { "constant" } else { "vertex" };
+        let kind = if shown.len() == 1 { "constant" } else { "vertex" };
         write!(out, "            float[] widths = ")?;
         list(out, first.radii(shown)?, |out, radius| single(out, 2.0 * radius?))?;
-        writeln!(out, " (\n                interpolation = \"{interpolation}\"\n            )")?;
-        Ok(())
+        interpolation(out, kind)
     }
 
     /// Writes the attributes of a shape that change in time, for a range of frames.
@@ -273,29 +249,27 @@ impl<R: BufRead + Seek, F: Fn(usize) -> Result<R, ExportError>> Strands<F> {
         shape: &PrimShape,
         frames: Range<usize>,
     ) -> Result<(), ExportError> {
-        let [points, velocities, extent] = ATTRIBUTES;
         let radius = self.largest_radius(shape)?;
         let mut extents = Vec::new();
-        writeln!(out, "            {points}.timeSamples = {{")?;
-        for frame in frames.clone() {
-            let mut bounds = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
-            write!(out, "                {}: ", self.timeline.code(frame))?;
-            self.sample(out, StrandQuantity::Position, shape, frame, |point| {
-                for (k, x) in point.into_iter().enumerate() {
-                    bounds[0][k] = bounds[0][k].min(x - radius);
-                    bounds[1][k] = bounds[1][k].max(x + radius);
+        for &quantity in StrandQuantity::of(shape) {
+            writeln!(out, "            {}.timeSamples = {{", quantity.attribute())?;
+            for frame in frames.clone() {
+                let mut bounds = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+                write!(out, "                {}: ", self.timeline.code(frame))?;
+                self.sample(out, quantity, shape, frame, |point| {
+                    for (k, x) in point.into_iter().enumerate() {
+                        bounds[0][k] = bounds[0][k].min(x - radius);
+                        bounds[1][k] = bounds[1][k].max(x + radius);
+                    }
+                })?;
+                writeln!(out, ",")?;
+                if quantity == StrandQuantity::Position {
+                    extents.push(bounds);
                 }
-            })?;
-            writeln!(out, ",")?;
-            extents.push(bounds);
+            }
+            writeln!(out, "            }}")?;
         }
-        writeln!(out, "            }}\n            {velocities}.timeSamples = {{")?;
-        for frame in frames.clone() {
-            write!(out, "                {}: ", self.timeline.code(frame))?;
-            self.sample(out, StrandQuantity::Velocity, shape, frame, |_| ())?;
-            writeln!(out, ",")?;
-        }
-        writeln!(out, "            }}\n            {extent}.timeSamples = {{")?;
+        writeln!(out, "            {EXTENT}.timeSamples = {{")?;
         for (frame, bounds) in frames.zip(extents) {
             write!(out, "                {}: ", self.timeline.code(frame))?;
             list(out, bounds, triple)?;
@@ -325,6 +299,7 @@ impl<R: BufRead + Seek, F: Fn(usize) -> Result<R, ExportError>> Strands<F> {
                 match quantity {
                     StrandQuantity::Position => list(out, arrays.positions(points)?, write),
                     StrandQuantity::Velocity => list(out, arrays.velocities(points)?, write),
+                    StrandQuantity::Director => list(out, arrays.directors(points)?, write),
                 }
             }
             PrimShape::Surface { vertices, .. } => {
@@ -334,6 +309,7 @@ impl<R: BufRead + Seek, F: Fn(usize) -> Result<R, ExportError>> Strands<F> {
                         arrays.positions(points)?.collect::<Result<Vec<_>, _>>()
                     }
                     StrandQuantity::Velocity => arrays.velocities(points)?.collect(),
+                    StrandQuantity::Director => arrays.directors(points)?.collect(),
                 }?;
                 let vertex = |[strand, point]: &[usize; 2]| all[self.starts[*strand] + point];
                 list(out, vertices, |out, place| write(out, Ok(vertex(place))))
@@ -371,11 +347,38 @@ impl<R: BufRead + Seek, F: Fn(usize) -> Result<R, ExportError>> Strands<F> {
     }
 }
 
-/// Types and names of the attributes that change in time.
-const ATTRIBUTES: [&str; 3] = ["point3f[] points", "vector3f[] velocities", "float3[] extent"];
+/// Writes what the values of an attribute belong to.
+fn interpolation(out: &mut impl Write, kind: &str) -> Result<(), ExportError> {
+    Ok(writeln!(out, " (\n                interpolation = \"{kind}\"\n            )")?)
+}
 
-#[derive(Clone, Copy)]
+/// Type and name of the attribute with the box around a shape.
+const EXTENT: &str = "float3[] extent";
+
+/// A vector of each point that changes in time.
+#[derive(Clone, Copy, PartialEq)]
 enum StrandQuantity {
     Position,
     Velocity,
+    Director,
+}
+
+impl StrandQuantity {
+    /// Those that a shape has.
+    fn of(shape: &PrimShape) -> &'static [Self] {
+        match shape {
+            PrimShape::Curves { .. } => &[Self::Position, Self::Velocity, Self::Director],
+            PrimShape::Surface { .. } => &[Self::Position, Self::Velocity],
+        }
+    }
+
+    /// Type and name of the attribute. The director is no `normals`: with these a curve is a flat
+    /// ribbon.
+    fn attribute(self) -> &'static str {
+        match self {
+            Self::Position => "point3f[] points",
+            Self::Velocity => "vector3f[] velocities",
+            Self::Director => "vector3f[] primvars:d1",
+        }
+    }
 }

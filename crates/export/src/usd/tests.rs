@@ -81,6 +81,16 @@ fn samples_are_the_frames_in_single_precision() {
         .map(|v| Point3::from(*v))
         .collect();
     assert_eq!(numbers(velocities[2].1), singles(expected.iter()));
+    let director = |s: &crate::Strand, i: usize| {
+        let segment = i.min(s.frames.len() - 1);
+        Point3::from(s.frames[segment].matrix().column(0).into_owned())
+    };
+    let directors: Vec<_> = sample::frame(2).strands[1..]
+        .iter()
+        .flat_map(|s| (0..s.points.len()).map(move |i| director(s, i)))
+        .collect();
+    let written = samples(second, "vector3f[] primvars:d1");
+    assert_eq!(numbers(written[2].1), singles(directors.iter()));
     let extent = numbers(samples(second, "float3[] extent")[1].1);
     assert_eq!(extent.len(), 6);
     for p in numbers(points[1].1).chunks(3) {
@@ -105,6 +115,16 @@ fn one_width_is_constant() {
 }
 
 #[test]
+fn smooth_curves_end_at_their_points() {
+    let straight = text(|out| layer(vec![curves(0..3)]).expect("a layer").write(out, None));
+    let smooth = text(|out| layer(vec![curves(0..3)]).expect("a layer").smooth().write(out, None));
+    assert!(straight.contains("type = \"linear\"") && !straight.contains("basis"), "{straight}");
+    let form = ["type = \"cubic\"", "basis = \"catmullRom\"", "wrap = \"pinned\""];
+    assert!(form.iter().all(|token| smooth.contains(&format!("uniform token {token}\n"))));
+    assert_eq!(samples(&smooth, "point3f[] points"), samples(&straight, "point3f[] points"));
+}
+
+#[test]
 fn a_surface_has_the_points_of_its_strands() {
     let shape =
         PrimShape::Surface { vertices: vec![[0, 1], [1, 8], [2, 0]], faces: vec![vec![0, 1, 2]] };
@@ -122,7 +142,7 @@ fn a_surface_has_the_points_of_its_strands() {
 fn a_large_layer_has_its_samples_in_clips() {
     let layer = layer(vec![curves(0..3)]).expect("a layer");
     assert!(layer.clips(usize::MAX).is_empty());
-    let clips = layer.clips(4100);
+    let clips = layer.clips(6000);
     assert_eq!(clips, [0..2, 2..3]);
     assert_eq!(layer.clips(1), [0..1, 1..2, 2..3]);
     let files: Vec<_> = clips.iter().map(|f| (f.clone(), format!("{}.usda", f.start))).collect();
@@ -139,7 +159,9 @@ fn a_large_layer_has_its_samples_in_clips() {
     ] {
         assert!(top.contains(line), "{line} in {top}");
     }
-    for attribute in ["point3f[] points", "vector3f[] velocities", "float3[] extent"] {
+    for attribute in
+        ["point3f[] points", "vector3f[] velocities", "vector3f[] primvars:d1", "float3[] extent"]
+    {
         let parts: Vec<_> =
             clips.iter().map(|frames| text(|out| layer.write_clip(out, frames.clone()))).collect();
         let parts: Vec<_> = parts.iter().flat_map(|part| samples(part, attribute)).collect();

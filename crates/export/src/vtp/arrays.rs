@@ -80,6 +80,15 @@ impl<R: BufRead + Seek> Arrays<R> {
         self.vectors(ArrayBlock { arrays: 2, parts: 4 }, range)
     }
 
+    /// First directors (world) of the segments that begin at a range of points, strand by strand;
+    /// the last point of a strand repeats its last segment.
+    ///
+    /// # Errors
+    /// [`ExportError::Malformed`] or [`ExportError::Io`], also of the items.
+    pub fn directors(&mut self, range: Range<usize>) -> Result<impl VectorSource, ExportError> {
+        self.vectors(ArrayBlock { arrays: 4, parts: 10 }, range)
+    }
+
     /// Radii (m) of a range of points, strand by strand.
     ///
     /// # Errors

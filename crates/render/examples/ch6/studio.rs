@@ -4,7 +4,7 @@ use crate::wavy::{RADIUS, wavy};
 use nalgebra::{Point3, Vector3};
 use rapunzel_fiber::Section;
 use rapunzel_render::{
-    Camera, CurveBasis, Curves, FiberCurve, FiberLook, Film, Hairs, Light, LightSearch, Lights,
+    Camera, CurveForm, Curves, FiberCurve, FiberLook, Film, Hairs, Light, LightSearch, Lights,
     PathTracer, Projection, RenderScene, Tone,
 };
 use rapunzel_repro::Fallible;
@@ -62,7 +62,7 @@ pub(crate) fn lit(
 ) -> Fallible<RenderScene> {
     let irradiance = Vector3::repeat(IRRADIANCE);
     let lights = Lights::new(&[Light::Distant { toward, irradiance, angular_radius }], None)?;
-    let curves = Curves::new(CurveBasis::Cubic, None, fibers)?;
+    let curves = Curves::new(CurveForm::Cubic, None, fibers)?;
     let look = FiberLook::Scattering { bsdf, albedo: Vector3::repeat(0.5) };
     Ok(RenderScene::new(vec![Hairs { curves, look }], Vec::new(), lights)?)
 }

@@ -1,7 +1,5 @@
-use super::tube::{Tube, enter};
-use super::{CurveHit, Curves};
-use crate::Ray;
-use crate::tree::{Bounds, Leaf, Leaves, NONE, SignBits, TreeRay, WIDTH, single};
+use super::tube::Tube;
+use crate::tree::{LeafThings, NONE, RayBox, SignBits, TreeRay, WIDTH, single};
 use nalgebra::Vector3;
 use pulp::Simd;
 use rapunzel_lanes::{Lane, V3};
@@ -9,92 +7,110 @@ use rapunzel_lanes::{Lane, V3};
 /// Most parts of a piece, as a power of two.
 const FINEST: u32 = 3;
 /// Chords are cut until the curve is no farther from them than this many radii.
-const SAGITTA: f64 = 4.0;
+const SAGITTA: f64 = 8.0;
+
+/// Where a parabola bulges by less than this part of its chord, as a ray sees both, its nearest point
+/// is found by one step from that of the chord.
+const FLAT: f32 = 0.2;
+/// What such a step may leave out, of the bulge.
+const UNFOUND: f64 = 2e-4;
 
 /// A part of a piece: piece, place, and number of parts, in one number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Part(u32);
+pub(super) struct CurvePart(u32);
 
-impl Part {
+impl CurvePart {
     /// Pieces that can be told apart.
     pub(super) const PIECES: usize = 1 << 27;
 
     /// All parts of the piece `piece`, a tube.
     pub(super) fn all(piece: u32, tube: &Tube) -> impl Iterator<Item = Self> + use<> {
-        let fine = |level: &u32| tube.cubic.sagitta(1 << level) <= SAGITTA * tube.widest();
+        let fine = |level: &u32| tube.curve.sagitta(1 << level) <= SAGITTA * tube.widest();
         let level = (0..FINEST).find(fine).unwrap_or(FINEST);
         (0..1 << level).map(move |part| Self(piece << 5 | part << 2 | level))
     }
 
-    /// The piece as it is named.
-    fn first(self) -> u32 {
+    /// The piece, by its first control point.
+    pub(super) fn piece(self) -> u32 {
         self.0 >> 5
-    }
-
-    pub(super) fn piece(self) -> usize {
-        self.first() as usize
     }
 
     /// Where it begins on its piece, and how long it is.
     #[inline(always)]
-    fn range(self) -> [f64; 2] {
+    pub(super) fn range(self) -> [f64; 2] {
         let length = 1.0 / f64::from(1_u32 << (self.0 & 3));
         [f64::from(self.0 >> 2 & 7) * length, length]
     }
 }
 
-/// The straight capsule around a part.
+/// What holds a part: all that is near a parabola.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Capsule {
-    pub(super) part: Part,
+pub(super) struct CurveCapsule {
+    pub(super) part: CurvePart,
     /// Ends of the axis when the exposure begins, from the middle of the tree, m.
     ends: [Vector3<f64>; 2],
-    /// Their ways, m.
-    ways: [Vector3<f64>; 2],
+    /// By how much its middle is beside the chord, four times, m: it is at
+    /// `chord(a) + a (1 - a) bulge` for `a` in `[0, 1]`.
+    bulge: Vector3<f64>,
+    /// Ways of the ends and of the bulge during the exposure, m.
+    ways: [Vector3<f64>; 3],
     reach: f64,
 }
 
-impl Capsule {
+impl CurveCapsule {
     /// The capsule that holds a part of a tube at all times between two, at which it is given, with
     /// `spare`, m, for roundings.
-    pub(super) fn new(part: Part, tubes: &[Tube; 2], spare: f64) -> Self {
+    pub(super) fn new(part: CurvePart, tubes: &[Tube; 2], spare: f64) -> Self {
         let [start, length] = part.range();
-        let [ends, then] =
-            [0, 1].map(|k: usize| [start, start + length].map(|t| tubes[k].cubic.at(t)));
-        let of = |tube: &Tube| tube.widest() + tube.cubic.sagitta(1 << (part.0 & 3));
-        let reach = of(&tubes[0]).max(of(&tubes[1])) + spare;
-        Self { part, ends, ways: [then[0] - ends[0], then[1] - ends[1]], reach }
+        let parabola = |tube: &Tube| {
+            let [a, middle, b] = [0.0, 0.5, 1.0].map(|t| tube.curve.at(start + t * length));
+            [a, b, 4.0 * middle - 2.0 * (a + b)]
+        };
+        let ([a, b, bulge], then) = (parabola(&tubes[0]), parabola(&tubes[1]));
+        let of = |tube: &Tube, bulge: &Vector3<f64>| {
+            tube.widest() + tube.curve.off_parabola(length) + UNFOUND * bulge.norm()
+        };
+        let reach = of(&tubes[0], &bulge).max(of(&tubes[1], &then[2])) + spare;
+        let ways = [then[0] - a, then[1] - b, then[2] - bulge];
+        Self { part, ends: [a, b], bulge, ways, reach }
     }
 
-    /// The box around it at all times.
-    pub(super) fn bounds(&self) -> Bounds {
-        let [a, b] = &self.ends;
-        let [c, d] = [a + self.ways[0], b + self.ways[1]];
+    /// The box around it at all times: that of the three control points of the parabola.
+    pub(super) fn bounds(&self) -> RayBox {
+        let of = |a: Vector3<f64>, b: Vector3<f64>, bulge: Vector3<f64>| {
+            let control = 0.5 * (a + b + bulge);
+            [a.inf(&b).inf(&control), a.sup(&b).sup(&control)]
+        };
+        let ([a, b], [u, v, w]) = (self.ends, self.ways);
+        let (now, then) = (of(a, b, self.bulge), of(a + u, b + v, self.bulge + w));
         let reach = Vector3::repeat(self.reach);
-        let low = a.inf(b).inf(&c).inf(&d) - reach;
-        let high = a.sup(b).sup(&c).sup(&d) + reach;
-        Bounds::new(single(&low.into()), single(&high.into()))
+        let (low, high) = (now[0].inf(&then[0]) - reach, now[1].sup(&then[1]) + reach);
+        RayBox::new(single(&low.into()), single(&high.into()))
     }
 }
 
-/// Ways of the capsules of a block: of their first ends, and by how much those of the others differ.
+/// Ways of the capsules of a block: of their first ends, and by how much those of the others
+/// differ.
 #[derive(Debug, Clone, Copy)]
 #[repr(align(32))]
 pub(super) struct MovingEnds {
     start: [[f32; WIDTH]; 3],
     axis: [[f32; WIDTH]; 3],
+    bulge: [[f32; WIDTH]; 3],
 }
 
 impl MovingEnds {
     /// The ways in a leaf.
-    pub(super) fn new(leaf: &Leaf, capsule: impl Fn(u32) -> Capsule) -> Self {
-        let mut ways = Self { start: [[0.0; WIDTH]; 3], axis: [[0.0; WIDTH]; 3] };
+    pub(super) fn new(leaf: &LeafThings, capsule: impl Fn(u32) -> CurveCapsule) -> Self {
+        let zeros = [[0.0; WIDTH]; 3];
+        let mut ways = Self { start: zeros, axis: zeros, bulge: zeros };
         for (lane, &index) in leaf.iter().enumerate().filter(|(_, index)| **index != NONE) {
-            let [a, b] = capsule(index).ways;
-            let (start, axis): ([f32; 3], [f32; 3]) = (single(&a.into()), single(&(b - a).into()));
+            let [a, b, bulge] = capsule(index).ways;
+            let [start, axis, bulge] = [a, b - a, bulge].map(|way| single(&way.into()));
             for d in 0..3 {
                 ways.start[d][lane] = start[d];
                 ways.axis[d][lane] = axis[d];
+                ways.bulge[d][lane] = bulge[d];
             }
         }
         ways
@@ -107,23 +123,26 @@ impl MovingEnds {
 pub(super) struct CapsuleBlock {
     start: [[f32; WIDTH]; 3],
     axis: [[f32; WIDTH]; 3],
+    bulge: [[f32; WIDTH]; 3],
     /// Negative where there is none.
     reach: [f32; WIDTH],
-    parts: [Part; WIDTH],
+    parts: [CurvePart; WIDTH],
 }
 
 impl CapsuleBlock {
     /// The capsules of a leaf.
-    pub(super) fn new(leaf: &Leaf, capsule: impl Fn(u32) -> Capsule) -> Self {
+    pub(super) fn new(leaf: &LeafThings, capsule: impl Fn(u32) -> CurveCapsule) -> Self {
         let zeros = [[0.0; WIDTH]; 3];
-        let parts = [Part(0); WIDTH];
-        let mut block = Self { start: zeros, axis: zeros, reach: [-1.0; WIDTH], parts };
+        let parts = [CurvePart(0); WIDTH];
+        let reach = [-1.0; WIDTH];
+        let mut block = Self { start: zeros, axis: zeros, bulge: zeros, reach, parts };
         for (lane, &index) in leaf.iter().enumerate().filter(|(_, index)| **index != NONE) {
-            let Capsule { part, ends: [a, b], reach, .. } = capsule(index);
-            let (start, axis) = (single(&a.into()), single(&(b - a).into()));
+            let CurveCapsule { part, ends: [a, b], bulge, reach, .. } = capsule(index);
+            let [start, axis, bulge] = [a, b - a, bulge].map(|v| single(&v.into()));
             for d in 0..3 {
                 block.start[d][lane] = start[d];
                 block.axis[d][lane] = axis[d];
+                block.bulge[d][lane] = bulge[d];
             }
             [block.reach[lane]] = single(&[reach]);
             block.parts[lane] = part;
@@ -131,10 +150,15 @@ impl CapsuleBlock {
         block
     }
 
+    /// The part in a lane.
+    pub(super) fn part(&self, lane: usize) -> CurvePart {
+        self.parts[lane]
+    }
+
     /// Lanes whose capsules the ray comes as near as their reach before its end, as bits, and where
     /// on the axes it is nearest, in `[0, 1]`.
     #[inline(always)]
-    fn meet<S: Simd, B: SignBits>(
+    pub(super) fn meet<S: Simd, B: SignBits>(
         &self,
         (simd, bits): (S, B),
         ray: &TreeRay,
@@ -146,28 +170,45 @@ impl CapsuleBlock {
         for register in 0..WIDTH / S::F32_LANES {
             let (mut start, mut axis) =
                 (load(simd, &self.start, register), load(simd, &self.axis, register));
+            let mut bulge = load(simd, &self.bulge, register);
             if let Some((ways, time)) = moving {
                 let time = Lane::splat(simd, time);
                 start = load(simd, &ways.start, register).mul_add(time, start);
                 axis = load(simd, &ways.axis, register).mul_add(time, axis);
+                bulge = load(simd, &ways.bulge, register).mul_add(time, bulge);
             }
             let from = start - splat(simd, &ray.origin);
             let reach = Lane::load(simd, &self.reach, register);
-            // The axis as the ray sees it, and the point of it that is nearest to the ray.
+            let (zero, one) = (Lane::splat(simd, 0.0), Lane::splat(simd, 1.0));
+            // The parabola as the ray sees it, and the point of its chord that is nearest.
             let (right, up) = (splat(simd, &across[0]), splat(simd, &across[1]));
             let (x, y) = (from.dot(right), from.dot(up));
             let (u, v) = (axis.dot(right), axis.dot(up));
-            let (zero, one) = (Lane::splat(simd, 0.0), Lane::splat(simd, 1.0));
+            let (b, c) = (bulge.dot(right), bulge.dot(up));
             let length = u.mul_add(u, v * v).max(Lane::splat(simd, f32::MIN_POSITIVE));
-            let at = -x.mul_add(u, y * v) / length;
-            let at = at.max(zero).min(one);
+            let at = (-x.mul_add(u, y * v) / length).max(zero).min(one);
+            let (px, py) = (at.mul_add(u, x), at.mul_add(v, y));
+            let to_chord = px.mul_add(px, py * py);
+            // From there a step of Gauss and Newton to that of the parabola.
+            let (half, slope) = (at * (one - at), one - at - at);
+            let (px, py) = (half.mul_add(b, px), half.mul_add(c, py));
+            let (dx, dy) = (slope.mul_add(b, u), slope.mul_add(c, v));
+            let steep = dx.mul_add(dx, dy * dy).max(Lane::splat(simd, f32::MIN_POSITIVE));
+            let at = (at - px.mul_add(dx, py * dy) / steep).max(zero).min(one);
             at.store(nearest, register);
-            let (x, y) = (at.mul_add(u, x), at.mul_add(v, y));
-            let aside = x.mul_add(x, y * y) - reach * reach;
+            let half = at * (one - at);
+            let (px, py) = (half.mul_add(b, at.mul_add(u, x)), half.mul_add(c, at.mul_add(v, y)));
+            let to_curve = px.mul_add(px, py * py);
+            // Where the parabola bulges much, it is within a quarter of the bulge of its chord.
+            let squared = b.mul_add(b, c * c);
+            let flat = squared.less_than(length * Lane::splat(simd, FLAT * FLAT));
+            let wide = reach + squared.sqrt() * Lane::splat(simd, 0.25);
+            let aside = flat.select(to_curve - reach * reach, to_chord - wide * wide);
             // The capsule begins behind the end of the ray.
             let sight = splat(simd, &ray.direction);
             let (z, w) = (from.dot(sight), axis.dot(sight));
-            let behind = z.min(z + w) - reach - Lane::splat(simd, ray.end);
+            let bulged = bulge.dot(sight).min(zero) * Lane::splat(simd, 0.25);
+            let behind = z.min(z + w) + bulged - reach - Lane::splat(simd, ray.end);
             aside.max(behind).max(-reach).store(&mut beyond, register);
         }
         bits.negative(&beyond)
@@ -189,52 +230,4 @@ fn load<S: Simd>(simd: S, all: &[[f32; WIDTH]; 3], register: usize) -> V3<S, f32
 #[inline(always)]
 fn splat<S: Simd>(simd: S, v: &[f32; 3]) -> V3<S, f32> {
     V3([Lane::splat(simd, v[0]), Lane::splat(simd, v[1]), Lane::splat(simd, v[2])])
-}
-
-/// The tubes in the leaves, for one ray.
-pub(super) struct CapsuleLeaves<'a> {
-    pub(super) curves: &'a Curves,
-    pub(super) ray: &'a Ray,
-    /// Where the ray begins and ends, m.
-    pub(super) range: [f64; 2],
-    /// Two directions across the ray.
-    pub(super) across: [[f32; 3]; 2],
-}
-
-impl Leaves for CapsuleLeaves<'_> {
-    type Found = CurveHit;
-
-    #[inline(always)]
-    fn meet<S: Simd, B: SignBits>(
-        &mut self,
-        registers: (S, B),
-        leaf: usize,
-        ray: &mut TreeRay,
-    ) -> Option<CurveHit> {
-        let mut at = [0.0; WIDTH];
-        let block = &self.curves.blocks[leaf];
-        let moving = match self.curves.moving.get(leaf) {
-            Some(ways) => Some((ways, single(&[self.ray.time])[0])),
-            None => None,
-        };
-        let mut met = block.meet(registers, ray, &self.across, moving, &mut at);
-        let mut found = None;
-        while met != 0 {
-            let lane = met.trailing_zeros() as usize % WIDTH;
-            met &= met - 1;
-            let part = block.parts[lane];
-            let [start, length] = part.range();
-            let tube = self.curves.tube(part.piece(), self.ray.time, &self.ray.origin);
-            let guess = start + f64::from(at[lane]) * length;
-            if let Some([distance, parameter]) = enter(&tube, &self.ray.direction, guess) {
-                let [first, last] = self.range;
-                if distance > first && distance < last {
-                    self.range[1] = distance;
-                    ray.shorten(distance);
-                    found = Some(CurveHit { distance, piece: part.first(), parameter });
-                }
-            }
-        }
-        found
-    }
 }

@@ -1,4 +1,4 @@
-use super::cubic::Cubic;
+use super::piece::CurvePiece;
 use crate::Ray;
 use nalgebra::{Point3, Vector3};
 
@@ -44,7 +44,7 @@ pub struct TubePoint {
 /// A piece of a tube: its curve, from the origin of a ray, and its section.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Tube {
-    pub(super) cubic: Cubic,
+    pub(super) curve: CurvePiece,
     /// Radii at both ends, m.
     pub(super) radii: [f64; 2],
     /// First axes of the section at both ends; none if it is round.
@@ -83,7 +83,7 @@ impl Tube {
 
     /// The frame at `t`: d1, d2, d3; d1 is any normal of a round section.
     pub(super) fn frame(&self, t: f64) -> [Vector3<f64>; 3] {
-        let d3 = self.cubic.slope(t).normalize();
+        let d3 = self.curve.slope(t).normalize();
         let [d1, d2] = match &self.axes {
             Some(axes) => self.turned_axes(t, axes, &d3),
             None => across(&d3),
@@ -102,7 +102,7 @@ impl Tube {
     ) -> TubePoint {
         let frame = self.frame(t);
         let [d1, d2, d3] = frame;
-        let from = distance * ray.direction - self.cubic.at(t);
+        let from = distance * ray.direction - self.curve.at(t);
         let radius = self.radius(t);
         let [a, b] = self.aspect;
         let (x, y) = (from.dot(&d1) / (a * a), from.dot(&d2) / (b * b));
@@ -147,12 +147,12 @@ pub(crate) fn across(n: &Vector3<f64>) -> [Vector3<f64>; 2] {
 #[inline(always)]
 pub(super) fn enter(tube: &Tube, direction: &Vector3<f64>, t: f64) -> Option<[f64; 2]> {
     // From the point of the ray beside the curve: what is small stays exact from afar.
-    let beside = tube.cubic.at(t).dot(direction);
-    let cubic = tube.cubic.from(&(beside * direction));
+    let beside = tube.curve.at(t).dot(direction);
+    let curve = tube.curve.from(&(beside * direction));
     let mut t = t;
     let mut misses = 0;
     for _ in 0..MOST_ITERATIONS {
-        let (c, slope) = (cubic.at(t), cubic.slope(t));
+        let (c, slope) = (curve.at(t), curve.slope(t));
         let (squared, radius) = (slope.norm_squared(), tube.radius(t));
         let (d, q) = (direction.dot(&slope), -c.dot(&slope));
         // The cylinder: a s^2 + 2 b s + c = 0.
@@ -175,7 +175,7 @@ pub(super) fn enter(tube: &Tube, direction: &Vector3<f64>, t: f64) -> Option<[f6
         }
         let s = (-b - discriminant.max(0.0).sqrt()) / a;
         let from = direction * s - c;
-        let step = (q + s * d) / (squared - from.dot(&cubic.bend(t)));
+        let step = (q + s * d) / (squared - from.dot(&curve.bend(t)));
         if step.abs() < CONVERGED {
             t += step;
             let inside = (-OVERLAP..=1.0 + OVERLAP).contains(&t);

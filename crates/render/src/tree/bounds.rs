@@ -1,13 +1,13 @@
 /// A box in single precision, m, from the middle of a tree.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(align(32))]
-pub(crate) struct Bounds {
+pub(crate) struct RayBox {
     /// The lowest coordinates, negated, and the highest, so that a box grows by maxima alone. What
     /// lies behind either fills the register; a builder keeps an index in the last.
     faces: [f32; 8],
 }
 
-impl Bounds {
+impl RayBox {
     /// The box that holds nothing.
     pub(crate) const EMPTY: Self = Self { faces: [f32::NEG_INFINITY; 8] };
 
@@ -20,7 +20,8 @@ impl Bounds {
     /// Grows to hold another box.
     #[inline(always)]
     pub(super) fn hold(&mut self, other: &Self) {
-        // Whole at once: single numbers would be stored under a mask, which the next load waits for.
+        // Whole at once: single numbers would be stored under a mask, which the next load waits
+        // for.
         let mut faces = [0.0; 8];
         for d in 0..8 {
             let (a, b) = (self.faces[d], other.faces[d]);

@@ -1,17 +1,20 @@
-use super::bounds::Bounds;
-use super::{LEAF, Leaf, NONE, Node, WIDTH, short};
+use super::bounds::RayBox;
+use super::node::{LEAF, LeafThings, NONE, RayNode, WIDTH, short};
 use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
 /// Candidates for a split along each axis.
 const BINS: usize = 16;
+const LAST_BIN: f32 = BINS as f32 - 1.0;
+/// Boxes that are looked at, or twice as many, to find a split.
+const SAMPLED: usize = 4096;
 /// Things of which several threads take parts.
 const MANY: usize = 1 << 14;
 /// Levels of nodes after which parts are halved, so that a walk has room for what waits.
 const DEEPEST: u32 = 9;
 
 /// The nodes of a tree over boxes, the root first, and the things of every leaf.
-pub(super) fn build(boxes: Vec<Bounds>) -> (Vec<Node>, Vec<Leaf>) {
+pub(super) fn build(boxes: Vec<RayBox>) -> (Vec<RayNode>, Vec<LeafThings>) {
     let mut boxes = boxes;
     for (index, bounds) in (0..).zip(&mut boxes) {
         bounds.set_index(index);
@@ -25,16 +28,16 @@ pub(super) fn build(boxes: Vec<Bounds>) -> (Vec<Node>, Vec<Leaf>) {
 
 /// A node and all below it; indices count from here.
 struct Subtree {
-    nodes: Vec<Node>,
-    leaves: Vec<Leaf>,
+    nodes: Vec<RayNode>,
+    leaves: Vec<LeafThings>,
 }
 
 impl Subtree {
-    fn new(boxes: &mut [Bounds], level: u32) -> Self {
+    fn new(boxes: &mut [RayBox], level: u32) -> Self {
         let many = boxes.len() >= MANY;
         let (parts, count) = parted(boxes, level);
         let parts = &mut { parts }[..count];
-        let below = |(_, part): &mut (Bounds, &mut [Bounds])| {
+        let below = |(_, part): &mut (RayBox, &mut [RayBox])| {
             (part.len() > WIDTH).then(|| Self::new(part, level + 1))
         };
         let children: Vec<_> = if many {
@@ -42,7 +45,7 @@ impl Subtree {
         } else {
             parts.iter_mut().map(below).collect()
         };
-        let mut tree = Self { nodes: vec![Node::EMPTY], leaves: Vec::new() };
+        let mut tree = Self { nodes: vec![RayNode::EMPTY], leaves: Vec::new() };
         for (lane, (child, (bounds, part))) in children.into_iter().zip(parts).enumerate() {
             let index = match child {
                 Some(below) => tree.adopt(below),
@@ -54,7 +57,7 @@ impl Subtree {
     }
 
     /// Adds a leaf; it as a child.
-    fn add_leaf(&mut self, things: &[Bounds]) -> u32 {
+    fn add_leaf(&mut self, things: &[RayBox]) -> u32 {
         let mut leaf = [NONE; WIDTH];
         for (lane, thing) in things.iter().enumerate() {
             leaf[lane] = thing.index();
@@ -77,11 +80,11 @@ impl Subtree {
     }
 }
 
-type Parts<'a> = [(Bounds, &'a mut [Bounds]); WIDTH];
+type Parts<'a> = [(RayBox, &'a mut [RayBox]); WIDTH];
 
 /// Boxes in at most eight parts, each with its hull; the largest is split as long as there is room.
-fn parted(boxes: &mut [Bounds], level: u32) -> (Parts<'_>, usize) {
-    let mut parts: Parts<'_> = std::array::from_fn(|_| (Bounds::EMPTY, &mut [][..]));
+fn parted(boxes: &mut [RayBox], level: u32) -> (Parts<'_>, usize) {
+    let mut parts: Parts<'_> = std::array::from_fn(|_| (RayBox::EMPTY, &mut [][..]));
     parts[0] = (hull(boxes), boxes);
     let mut count = 1;
     while count < WIDTH {
@@ -91,7 +94,7 @@ fn parted(boxes: &mut [Bounds], level: u32) -> (Parts<'_>, usize) {
         let Some(largest) = wide.max_by(area) else { break };
         let part = std::mem::take(&mut parts[largest].1);
         let middle =
-            if level < DEEPEST { Arch::new().dispatch(Split(part)) } else { part.len() / 2 };
+            if level < DEEPEST { Arch::new().dispatch(SplitKernel(part)) } else { part.len() / 2 };
         let (a, b) = part.split_at_mut(middle);
         parts[largest] = (hull(a), a);
         parts[count] = (hull(b), b);
@@ -101,18 +104,18 @@ fn parted(boxes: &mut [Bounds], level: u32) -> (Parts<'_>, usize) {
 }
 
 /// The hull of boxes.
-fn hull(boxes: &[Bounds]) -> Bounds {
-    Arch::new().dispatch(Hull(boxes))
+fn hull(boxes: &[RayBox]) -> RayBox {
+    Arch::new().dispatch(HullKernel(boxes))
 }
 
-struct Hull<'a>(&'a [Bounds]);
+struct HullKernel<'a>(&'a [RayBox]);
 
-impl NullaryFnOnce for Hull<'_> {
-    type Output = Bounds;
+impl NullaryFnOnce for HullKernel<'_> {
+    type Output = RayBox;
 
     #[inline(always)]
-    fn call(self) -> Bounds {
-        let mut hull = Bounds::EMPTY;
+    fn call(self) -> RayBox {
+        let mut hull = RayBox::EMPTY;
         self.0.iter().for_each(|bounds| hull.hold(bounds));
         hull
     }
@@ -120,22 +123,24 @@ impl NullaryFnOnce for Hull<'_> {
 
 /// Reorders boxes into two parts that are not empty, where the surface area heuristic is least; the
 /// length of the first.
-struct Split<'a>(&'a mut [Bounds]);
+struct SplitKernel<'a>(&'a mut [RayBox]);
 
-impl NullaryFnOnce for Split<'_> {
+impl NullaryFnOnce for SplitKernel<'_> {
     type Output = usize;
 
     #[inline(always)]
     fn call(self) -> usize {
         let Self(boxes) = self;
-        let mut centers = Bounds::EMPTY;
-        for bounds in &*boxes {
+        // Of many boxes a part tells as well where to split.
+        let every = (boxes.len() / SAMPLED).max(1);
+        let mut centers = RayBox::EMPTY;
+        for bounds in boxes.iter().step_by(every) {
             centers.hold(&bounds.center());
         }
         let slabs = [0, 1, 2].map(|axis| Slabs::new(&centers, axis));
         let mut counts = [[0_u32; BINS]; 3];
-        let mut hulls = [[Bounds::EMPTY; BINS]; 3];
-        for bounds in &*boxes {
+        let mut hulls = [[RayBox::EMPTY; BINS]; 3];
+        for bounds in boxes.iter().step_by(every) {
             for axis in 0..3 {
                 let bin = slabs[axis].bin(bounds);
                 counts[axis][bin] += 1;
@@ -160,7 +165,8 @@ impl NullaryFnOnce for Split<'_> {
             boxes.swap(first, k);
             first += usize::from(below);
         }
-        first
+        // A split of a part may be none of all.
+        if first == 0 || first == boxes.len() { boxes.len() / 2 } else { first }
     }
 }
 
@@ -175,34 +181,37 @@ struct Slabs {
 
 impl Slabs {
     #[inline(always)]
-    fn new(centers: &Bounds, axis: usize) -> Self {
+    fn new(centers: &RayBox, axis: usize) -> Self {
         let low = centers.low(axis);
-        let scale = (BINS as f32 - 1.0) / (centers.high(axis) - low);
+        let scale = LAST_BIN / (centers.high(axis) - low);
         Self { axis, low, scale: if scale < f32::INFINITY { scale } else { 0.0 } }
     }
 
     #[inline(always)]
-    fn bin(self, bounds: &Bounds) -> usize {
+    fn bin(self, bounds: &RayBox) -> usize {
         let middle = bounds.high(self.axis) + bounds.low(self.axis);
+        let place = (middle - self.low) * self.scale;
+        let place = if place > 0.0 { place } else { 0.0 };
+        let place = if place < LAST_BIN { place } else { LAST_BIN };
         // Rounds to the nearest whole number: a conversion would test for what does not occur.
         const ROOM: f32 = 8_388_608.0;
-        ((middle - self.low) * self.scale + ROOM).to_bits() as usize % BINS
+        (place + ROOM).to_bits() as usize % BINS
     }
 }
 
 /// The cost of the cheapest split and the first slab of its second part; a part's cost is its
 /// number of leaves times the surface of its hull. The first and the last slab are not empty.
 #[inline(always)]
-fn cheapest(counts: &[u32; BINS], hulls: &[Bounds; BINS]) -> (f32, usize) {
-    let cost = |count: u32, hull: &Bounds| count.div_ceil(short(WIDTH)) as f32 * hull.half_area();
+fn cheapest(counts: &[u32; BINS], hulls: &[RayBox; BINS]) -> (f32, usize) {
+    let cost = |count: u32, hull: &RayBox| count.div_ceil(short(WIDTH)) as f32 * hull.half_area();
     let mut costs = [0.0; BINS];
-    let (mut count, mut hull) = (0, Bounds::EMPTY);
+    let (mut count, mut hull) = (0, RayBox::EMPTY);
     for b in (1..BINS).rev() {
         count += counts[b];
         hull.hold(&hulls[b]);
         costs[b] = cost(count, &hull);
     }
-    (count, hull) = (0, Bounds::EMPTY);
+    (count, hull) = (0, RayBox::EMPTY);
     let mut best = (f32::INFINITY, 1);
     for b in 1..BINS {
         count += counts[b - 1];

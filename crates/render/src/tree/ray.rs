@@ -1,4 +1,5 @@
-use super::{Node, WIDTH};
+use super::bounds::rounding;
+use super::node::{RayNode, WIDTH};
 use crate::Ray;
 use nalgebra::Point3;
 use pulp::Simd;
@@ -47,7 +48,7 @@ impl TreeRay {
         let direction = single(&ray.direction.into());
         let inverse = direction.map(|x| 1.0 / if x.abs() > 1e-12 { x } else { 1e-12 });
         let shift = [0, 1, 2].map(|d| -origin[d] * inverse[d]);
-        let rounded = 2.0 * super::rounding(extent);
+        let rounded = 2.0 * rounding(extent);
         let [start, end] = single(&[start - advance - rounded, leave - advance + rounded]);
         Some(Self { origin, direction, inverse, shift, advance, start, end })
     }
@@ -65,7 +66,7 @@ impl TreeRay {
     pub(super) fn meet<S: Simd, B: SignBits>(
         &self,
         (simd, bits): (S, B),
-        node: &Node,
+        node: &RayNode,
         near: &mut [f32; WIDTH],
     ) -> u32 {
         let mut gap = [0.0; WIDTH];

@@ -1,5 +1,6 @@
-use super::ray::PortableSigns;
-use super::{LEAF, SignBits, Tree, TreeRay, WIDTH};
+use super::RayTree;
+use super::node::{LEAF, WIDTH};
+use super::ray::{PortableSigns, SignBits, TreeRay};
 use pulp::{Arch, Simd, WithSimd};
 
 /// Places of nodes that wait: eight children at a time on at most twenty levels, of which the
@@ -22,7 +23,7 @@ pub(crate) trait Leaves {
 
 /// What is looked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Walk {
+pub(crate) enum RayQuery {
     /// The nearest thing.
     Nearest,
     /// Any thing.
@@ -31,12 +32,12 @@ pub(crate) enum Walk {
 
 /// Finds what a ray meets in a tree.
 pub(crate) fn walk<L: Leaves>(
-    tree: &Tree,
+    tree: &RayTree,
     leaves: &mut L,
     ray: &mut TreeRay,
-    until: Walk,
+    until: RayQuery,
 ) -> Option<L::Found> {
-    let kernel = Kernel { tree, leaves, ray, until };
+    let kernel = WalkKernel { tree, leaves, ray, until };
     #[cfg(target_arch = "x86_64")]
     if let Some(simd) = pulp::x86::V3::try_new() {
         return simd.vectorize(WithSigns { simd, kernel });
@@ -44,14 +45,14 @@ pub(crate) fn walk<L: Leaves>(
     Arch::new().dispatch(kernel)
 }
 
-struct Kernel<'a, L> {
-    tree: &'a Tree,
+struct WalkKernel<'a, L> {
+    tree: &'a RayTree,
     leaves: &'a mut L,
     ray: &'a mut TreeRay,
-    until: Walk,
+    until: RayQuery,
 }
 
-impl<L: Leaves> WithSimd for Kernel<'_, L> {
+impl<L: Leaves> WithSimd for WalkKernel<'_, L> {
     type Output = Option<L::Found>;
 
     #[inline(always)]
@@ -63,7 +64,7 @@ impl<L: Leaves> WithSimd for Kernel<'_, L> {
 #[cfg(target_arch = "x86_64")]
 struct WithSigns<'a, L> {
     simd: pulp::x86::V3,
-    kernel: Kernel<'a, L>,
+    kernel: WalkKernel<'a, L>,
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -76,7 +77,7 @@ impl<L: Leaves> pulp::NullaryFnOnce for WithSigns<'_, L> {
     }
 }
 
-impl<L: Leaves> Kernel<'_, L> {
+impl<L: Leaves> WalkKernel<'_, L> {
     /// Nodes wait with the distance at which the ray enters them; the nearest is next.
     #[inline(always)]
     fn run<S: Simd, B: SignBits>(self, registers: (S, B)) -> Option<L::Found> {
@@ -97,7 +98,7 @@ impl<L: Leaves> Kernel<'_, L> {
             if child & LEAF != 0 {
                 if let Some(thing) = leaves.meet(registers, (child ^ LEAF) as usize, ray) {
                     found = Some(thing);
-                    if until == Walk::Any {
+                    if until == RayQuery::Any {
                         break;
                     }
                 }

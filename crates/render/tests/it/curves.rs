@@ -1,12 +1,12 @@
 use crate::wavy::{RADIUS, wavy};
 use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;
-use rapunzel_render::{CurveBasis, Curves, FiberCurve, PathRandom, Ray, RenderError};
+use rapunzel_render::{CurveForm, Curves, FiberCurve, PathRandom, Ray, RenderError};
 
 const ALL: [f64; 2] = [0.0, f64::INFINITY];
 
 fn curves(ratio: Option<f64>, fibers: &[FiberCurve]) -> Curves {
-    Curves::new(CurveBasis::Cubic, ratio, fibers).expect("sound fibres")
+    Curves::new(CurveForm::Cubic, ratio, fibers).expect("sound fibres")
 }
 
 fn ray(origin: Point3<f64>, towards: &Point3<f64>, time: f64) -> Ray {
@@ -48,7 +48,7 @@ proptest! {
     ) {
         prop_assume!(from.xy().norm() > 0.1);
         let nodes = (0..11).map(|k| Point3::new(0.0, 0.0, 0.01 * f64::from(k))).collect();
-        let basis = if basis { CurveBasis::Cubic } else { CurveBasis::Linear };
+        let basis = if basis { CurveForm::Cubic } else { CurveForm::Linear };
         let fiber = [FiberCurve::round(nodes, RADIUS)];
         let tubes = Curves::new(basis, None, &fiber).expect("sound");
         let across = Vector3::new(-from.y, from.x, 0.0).normalize();
@@ -181,7 +181,7 @@ fn the_tree_misses_nothing() {
 fn what_is_no_fiber_is_refused_or_not_seen() {
     let line = vec![Point3::origin(), Point3::new(0.0, 0.0, 1.0)];
     let refused = |fiber: FiberCurve, ratio: Option<f64>| {
-        let error = Curves::new(CurveBasis::Cubic, ratio, &[fiber]).expect_err("refused");
+        let error = Curves::new(CurveForm::Cubic, ratio, &[fiber]).expect_err("refused");
         assert!(matches!(error, RenderError::Curve { fiber: 0, .. }), "{error}");
     };
     refused(FiberCurve::round(vec![Point3::origin()], 1e-3), None);
@@ -192,8 +192,7 @@ fn what_is_no_fiber_is_refused_or_not_seen() {
     refused(FiberCurve::round(line.clone(), 1e-3), Some(0.8));
     let axes = vec![Vector3::zeros(); 2];
     refused(FiberCurve { axes, ..FiberCurve::round(line.clone(), 1e-3) }, Some(0.8));
-    let wrong =
-        Curves::new(CurveBasis::Cubic, Some(-1.0), &[FiberCurve::round(line.clone(), 1e-3)]);
+    let wrong = Curves::new(CurveForm::Cubic, Some(-1.0), &[FiberCurve::round(line.clone(), 1e-3)]);
     assert!(matches!(wrong, Err(RenderError::Parameter { .. })));
 
     let at = ray(Point3::new(1.0, 0.0, 0.5), &Point3::new(0.0, 0.0, 0.5), 0.0);
@@ -203,7 +202,7 @@ fn what_is_no_fiber_is_refused_or_not_seen() {
     assert!(none.is_empty() && none.bounds().is_none() && none.hit(&at, ALL).is_none());
     // Pieces without length are passed over; those beside them are there.
     let twice = [0.0, 0.3, 0.3, 0.3, 1.0].map(|z| Point3::new(0.0, 0.0, z)).to_vec();
-    for basis in [CurveBasis::Cubic, CurveBasis::Linear] {
+    for basis in [CurveForm::Cubic, CurveForm::Linear] {
         let tubes =
             Curves::new(basis, None, &[FiberCurve::round(twice.clone(), 1e-3)]).expect("sound");
         assert!(tubes.hit(&at, ALL).is_some_and(|hit| (hit.distance - 0.999).abs() < 1e-9));

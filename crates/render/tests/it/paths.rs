@@ -2,7 +2,7 @@ use crate::wavy::{RADIUS, wavy};
 use nalgebra::{Point3, Vector3};
 use rapunzel_fiber::Section;
 use rapunzel_render::{
-    Camera, CurveBasis, Curves, FiberCurve, FiberLook, Film, FilmKey, Hairs, Light, LightSearch,
+    Camera, CurveForm, Curves, FiberCurve, FiberLook, Film, FilmKey, Hairs, Light, LightSearch,
     Lights, PathTracer, Projection, RenderScene, Sky, SkyMap, TriangleMesh,
 };
 use rapunzel_scattering::{
@@ -52,7 +52,7 @@ fn ground(z: f64) -> TriangleMesh {
 }
 
 fn hairs(look: FiberLook) -> Hairs {
-    let curves = Curves::new(CurveBasis::Cubic, None, &wavy(300, 24)).expect("sound");
+    let curves = Curves::new(CurveForm::Cubic, None, &wavy(300, 24)).expect("sound");
     Hairs { curves, look }
 }
 
@@ -187,7 +187,7 @@ fn the_energy_of_a_closed_ball_is_balanced() {
 fn a_matte_tube_is_the_cylinder() {
     let nodes = [-1.0, -0.5, 0.0, 0.5, 1.0].map(|z| Point3::new(0.0, 0.0, z)).to_vec();
     let fiber = [FiberCurve::round(nodes, 1e-3)];
-    let curves = Curves::new(CurveBasis::Cubic, None, &fiber).expect("sound");
+    let curves = Curves::new(CurveForm::Cubic, None, &fiber).expect("sound");
     let look = FiberLook::Colored(vec![Vector3::repeat(0.5); 5]);
     let irradiance = grey(3.0);
     let light = Light::Distant { toward: -Vector3::y(), irradiance, angular_radius: 0.0 };
@@ -200,7 +200,8 @@ fn a_matte_tube_is_the_cylinder() {
     assert!((mean - exact).abs() < 5.0 * error, "{mean} {exact} {error}");
 }
 
-/// One thread, two threads, and a picture that was stopped, saved and taken up again: the same bits.
+/// One thread, two threads, and a picture that was stopped, saved and taken up again: the same
+/// bits.
 #[test]
 fn a_picture_is_the_same_bits_however_it_is_made() {
     let scene = &scenes()[2];

@@ -34,7 +34,7 @@ impl Observer for FieldWriter {
         let fields = world.electric_fields(&self.grid.points())?;
         let name = format!("field-{:06}.vti", self.plan.frames_after(world.steps()));
         save(&self.folder.join(name), |to| {
-            self.grid.write_vti(to, &fields).map_err(|error| std::io::Error::other(error).into())
+            self.grid.write_vti(to, &fields).map_err(std::io::Error::other)
         })
     }
 

@@ -5,9 +5,12 @@ use crate::scene::Format;
 use crate::storage::save;
 use crate::{Plan, SimError, World};
 use nalgebra::Isometry3;
-use rapunzel_export::preview::PreviewFrame;
 use rapunzel_export::surface::Placed;
-use rapunzel_export::{self as export, ExportError, Frame, usd};
+use rapunzel_export::{self as export, ExportError, Frame, mitsuba, usd};
+use rapunzel_scattering::{EUMELANIN, Pigments};
+use rapunzel_studio::StudioError;
+use rapunzel_studio::sheet::{self, PreviewFrame};
+use std::ffi::OsStr;
 use std::fs::{self, File};
 use std::io::BufReader;
 use std::ops::Range;
@@ -45,6 +48,7 @@ impl FrameWriter {
             match format {
                 Format::Hair => files.push(of_frames("hair")),
                 Format::Pov => files.push(of_frames("pov")),
+                Format::Mitsuba => files.extend(["txt", "xml"].map(of_frames)),
                 Format::Usd => {
                     let layers = [STAGE, USD, SPRINGS_USD, OBJECTS_USD, MANIFEST];
                     files.extend(layers.map(Entry::from));
@@ -54,7 +58,12 @@ impl FrameWriter {
         }
         let of_objects = objects.count(frames);
         if of_objects > 0 {
-            files.push(Entry::series(&format!("{FRAMES}/objects"), "vtp", of_objects));
+            let of_objects =
+                |extension| Entry::series(&format!("{FRAMES}/objects"), extension, of_objects);
+            files.push(of_objects("vtp"));
+            if formats.contains(&Format::Mitsuba) {
+                files.push(of_objects("obj"));
+            }
         }
         files
     }
@@ -75,7 +84,7 @@ impl FrameWriter {
             let time = self.plan.frame_time(index as u64);
             let objects = self.show.objects.file(index);
             files.push((time, 0, name(index, "vtp")));
-            files.extend(objects.map(|file| (time, 1, objects_name(file))));
+            files.extend(objects.map(|file| (time, 1, objects_name(file, "vtp"))));
         }
         let entries = files.iter().map(|(time, part, name)| (*time, *part, name.as_str()));
         save(&self.folder.join(PVD), |to| export::pvd::write(to, entries))
@@ -86,7 +95,7 @@ impl FrameWriter {
     }
 
     fn open_objects(&self, file: usize) -> Result<BufReader<File>, ExportError> {
-        Ok(BufReader::new(File::open(self.folder.join(objects_name(file)))?))
+        Ok(BufReader::new(File::open(self.folder.join(objects_name(file, "vtp")))?))
     }
 
     fn read_objects(&self, frame: usize) -> Result<Vec<Placed>, ExportError> {
@@ -109,8 +118,27 @@ impl FrameWriter {
             Format::Pov => {
                 save(&self.file(frame.index, "pov"), |to| export::pov::write(to, frame, objects))
             }
+            Format::Mitsuba => self.write_mitsuba(frame, objects),
             Format::Usd => Ok(()),
         }
+    }
+
+    /// Writes a scene of Mitsuba, last of its files, so that all are there if it is.
+    fn write_mitsuba(&self, frame: &Frame, objects: &[Placed]) -> Result<(), SimError> {
+        let index = frame.index;
+        let of_objects = self.show.objects.file(index).unwrap_or(index);
+        let [curves, surfaces] = [name(index, "txt"), objects_name(of_objects, "obj")];
+        if of_objects == index && !objects.is_empty() {
+            save(&self.folder.join(&surfaces), |to| export::obj::write_objects(to, objects))?;
+        }
+        save(&self.folder.join(&curves), |to| mitsuba::write_curves(to, frame))?;
+        // All are in one folder.
+        let beside = |name| Path::new(name).file_name().and_then(OsStr::to_str).unwrap_or(name);
+        let files = mitsuba::SceneFiles { curves: beside(&curves), objects: beside(&surfaces) };
+        // A scene says nothing of how its hair looks.
+        let brown = EUMELANIN * Pigments::BROWN.eumelanin;
+        let look = mitsuba::MitsubaHair::usual(brown.into());
+        save(&self.file(index, "xml"), |to| mitsuba::write(to, frame, objects, &look, files))
     }
 
     /// Writes what is missing of those.
@@ -118,6 +146,7 @@ impl FrameWriter {
         let extension = match format {
             Format::Hair => "hair",
             Format::Pov => "pov",
+            Format::Mitsuba => "xml",
             Format::Usd => return Ok(()),
         };
         if self.file(index, extension).is_file() {
@@ -190,17 +219,17 @@ impl FrameWriter {
         let shown = self.count.min(PREVIEW_FRAMES);
         let indices = || (0..shown).map(|i| i * (self.count - 1) / (shown - 1).max(1));
         save(&self.folder.join(PREVIEW), |to| {
-            let picture = |index| {
+            let picture = |index| -> Result<PreviewFrame, StudioError> {
                 let frame = export::vtp::read(&mut self.open_frame(index)?)?;
                 let supports = self.show.supports(frame.time);
-                PreviewFrame::new(frame, supports)
+                Ok(PreviewFrame::new(frame, supports)?)
             };
             let frames = indices().map(picture).collect::<Result<Vec<_>, _>>()?;
             let shown = indices().filter_map(|index| self.show.objects.file(index));
             let objects = shown.map(|file| self.read_objects(file));
             let objects = objects.collect::<Result<Vec<_>, _>>()?;
             let winds: Vec<_> = frames.iter().map(|frame| self.show.wind.at(frame.time)).collect();
-            export::preview::write(to, &frames, &objects, &winds)
+            sheet::write(to, &frames, &objects, &winds)
         })
     }
 }
@@ -214,7 +243,7 @@ impl Observer for FrameWriter {
         let objects: Vec<_> = world.surfaces().collect();
         let file = self.show.objects.file(index).filter(|&file| file == index);
         if let Some(file) = file {
-            let path = self.folder.join(objects_name(file));
+            let path = self.folder.join(objects_name(file, "vtp"));
             save(&path, |to| export::surface::write(to, time, &objects))?;
         }
         let counts = world.stepper().strand_nodes();
@@ -277,6 +306,6 @@ fn name(index: usize, extension: &str) -> String {
 }
 
 /// The name of a file of objects as seen from the folder of the run.
-fn objects_name(index: usize) -> String {
-    format!("{FRAMES}/objects-{index:06}.vtp")
+fn objects_name(index: usize, extension: &str) -> String {
+    format!("{FRAMES}/objects-{index:06}.{extension}")
 }

@@ -1,6 +1,6 @@
 use crate::scene::{Format, Motion, Moves, Object, Scene, Wind};
 use crate::{Scenery, World};
-use rapunzel_export::preview::Support;
+use rapunzel_studio::sheet::Support;
 
 /// What frames show.
 #[derive(Debug)]

@@ -3,9 +3,9 @@ use crate::SimError;
 use crate::folder::{PREVIEW, claim};
 use crate::storage::{save, write_atomically};
 use nalgebra::{Matrix3, Rotation3, Vector3};
-use rapunzel_export::preview::{self, Support};
 use rapunzel_export::{Frame, Strand, vtp};
 use rapunzel_scene::case::{Case, CaseEnd};
+use rapunzel_studio::sheet::{self, PreviewFrame, Support};
 use std::io::Write;
 use std::path::Path;
 
@@ -36,7 +36,7 @@ impl CaseAnswer {
         let supports = self.equilibria.iter().enumerate();
         let supports = supports.flat_map(|(strand, found)| found.supports(strand, case)).collect();
         save(&folder.join(PREVIEW), |to| {
-            preview::write(to, &[preview::PreviewFrame::new(frame, supports)?], &[], &[])
+            sheet::write(to, &[PreviewFrame::new(frame, supports)?], &[], &[])
         })?;
         write_atomically(&folder.join(ANSWER), |to| Ok(serde_json::to_writer(to, self)?))
     }

@@ -2,8 +2,8 @@ use crate::folder::{SPRINGS_USD, USD};
 use crate::scene::{JointKind, MassSpring, Scene, Tip};
 use crate::stepper::{FiberStates, Scenery};
 use rapunzel_export::Strand;
-use rapunzel_export::preview::Support;
 use rapunzel_export::usd::{Prim, PrimShape};
+use rapunzel_studio::sheet::Support;
 use std::ops::Range;
 
 /// Colours of hair, bundle by bundle: red, green and blue, linear.

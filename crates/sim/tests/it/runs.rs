@@ -18,7 +18,7 @@ const SCENE: &str = "(
         motion: Swing(angle: 30, radius: 0.05, period: 0.2),
     )],
     stepper: (dt: 0.005),
-    output: (frame_rate: 50, formats: [Usd, Hair, Pov], probes: [(quantity: Velocity)]),
+    output: (frame_rate: 50, formats: [Usd, Hair, Pov, Mitsuba], probes: [(quantity: Velocity)]),
 )";
 
 fn scene() -> Scene {
@@ -71,6 +71,7 @@ fn a_run_leaves_all_its_files() {
     let files = files(folder.path());
     let count = |extension: &str| files.keys().filter(|name| name.ends_with(extension)).count();
     assert_eq!((count(".vtp"), count(".hair"), count(".pov")), (11, 11, 11));
+    assert_eq!((count(".xml"), count(".txt"), count(".obj")), (11, 11, 0));
     for name in ["scene.ron", "checkpoint.bin", "summary.json", "preview.png", "fibers.usda"] {
         assert!(files.contains_key(&format!("/{name}")), "{name} in {:?}", files.keys());
     }

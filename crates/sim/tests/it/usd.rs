@@ -129,12 +129,17 @@ fn a_fault_costs_one_file() {
         fibers: [(length: 0.05, segments: 4, section: Circle(radius: 3.5e-5))],
         objects: [(shape: Ball(radius: 0.02), position: (0, 0, -0.2))],
         contact: (friction: Isotropic(0.2)),
-        stepper: (dt: 1e-3), output: (frame_rate: 50, formats: [Usd, Hair, Pov]))";
+        stepper: (dt: 1e-3), output: (frame_rate: 50, formats: [Usd, Hair, Pov, Mitsuba]))";
     let [whole, folder] = [(); 2].map(|()| tempfile::tempdir().expect("a folder"));
     run_in(whole.path(), text, Existing::Refuse).expect("runs");
     let path = folder.path();
-    // Folders in the places of three files; they come once the run has its own.
-    let blocked = ["objects.usda", "frames/frame-000002.pov", "frames/frame-000003.hair"];
+    // Folders in the places of four files; they come once the run has its own.
+    let blocked = [
+        "objects.usda",
+        "frames/frame-000002.pov",
+        "frames/frame-000003.hair",
+        "frames/frame-000004.txt",
+    ];
     let scene = Scene::from_ron(text).expect("sound");
     let mut run_folder = RunFolder::open(path, Existing::Refuse).expect("empty");
     let mut progress = |now: &rapunzel_sim::Progress| {
@@ -150,10 +155,10 @@ fn a_fault_costs_one_file() {
     };
     let world = World::build(&scene).expect("a world");
     let error =
-        run(&scene, world, &mut run_folder, control).expect_err("three files are in the way");
+        run(&scene, world, &mut run_folder, control).expect_err("four files are in the way");
     drop(run_folder);
     let SimError::Unwritten { faults } = &error else { panic!("{error}") };
-    assert_eq!(faults.len(), 3, "{error}");
+    assert_eq!(faults.len(), 4, "{error}");
     for file in blocked {
         assert!(error.to_string().contains(file), "{error}");
         fs::remove_dir(path.join(file)).expect("still empty");
@@ -163,7 +168,8 @@ fn a_fault_costs_one_file() {
     assert!(path.join("preview.png").exists());
     let summary = run_in(path, text, Existing::Resume).expect("nothing is in the way");
     assert_eq!(summary.outcome, Outcome::Complete);
-    for file in blocked.into_iter().chain(["scene.usda", "fibers.usda", "preview.png"]) {
+    let others = ["scene.usda", "fibers.usda", "preview.png", "frames/frame-000004.xml"];
+    for file in blocked.into_iter().chain(others).chain(["frames/objects-000000.obj"]) {
         let [a, b] = [whole.path(), path].map(|folder| fs::read(folder.join(file)).expect("there"));
         assert!(a == b, "{file}");
     }

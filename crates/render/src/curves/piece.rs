@@ -1,26 +1,34 @@
-use super::CurveBasis;
 use nalgebra::{Point3, Vector3};
+
+/// How a curve runs through the nodes of a fibre.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CurveForm {
+    /// A cubic spline with continuous curvature, a uniform B-spline.
+    Cubic,
+    /// Straight from node to node; the tubes of neighbours are open at a bend.
+    Linear,
+}
 
 /// A piece of a curve: `((c3 t + c2) t + c1) t + c0` for `t` in `[0, 1]`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Cubic {
+pub(super) struct CurvePiece {
     c: [Vector3<f64>; 4],
 }
 
-impl Cubic {
+impl CurvePiece {
     /// Control points of a piece.
-    pub(super) fn points(basis: CurveBasis) -> usize {
-        match basis {
-            CurveBasis::Cubic => 4,
-            CurveBasis::Linear => 2,
+    pub(super) fn points(kind: CurveForm) -> usize {
+        match kind {
+            CurveForm::Cubic => 4,
+            CurveForm::Linear => 2,
         }
     }
 
     /// A piece by its control points, from `origin`: as many as [`Self::points`].
     #[inline(always)]
-    pub(super) fn new(basis: CurveBasis, control: &[Point3<f64>], origin: &Point3<f64>) -> Self {
+    pub(super) fn new(kind: CurveForm, control: &[Point3<f64>], origin: &Point3<f64>) -> Self {
         match *control {
-            [a, b, c, d] if basis == CurveBasis::Cubic => {
+            [a, b, c, d] if kind == CurveForm::Cubic => {
                 let (a, b, c, d) = (a - origin, b - origin, c - origin, d - origin);
                 // The uniform B-spline by powers.
                 let c0 = (a + 4.0 * b + c) / 6.0;
@@ -58,32 +66,16 @@ impl Cubic {
         self.c[3] * (6.0 * t) + self.c[2] * 2.0
     }
 
+    /// How far the curve is at most, m, from the parabola through the ends and the middle of a part
+    /// of the length `part`: the third derivative times the maximum of `a (a - 1/2) (a - 1) / 6`.
+    pub(super) fn off_parabola(&self, part: f64) -> f64 {
+        0.008_02 * 6.0 * self.c[3].norm() * part.powi(3)
+    }
+
     /// How far the curve is from its chords, m, if it is cut into so many equal parts: at most an
     /// eighth of the second derivative, which is largest at an end.
     pub(super) fn sagitta(&self, parts: u32) -> f64 {
         let bend = self.bend(0.0).norm().max(self.bend(1.0).norm());
         bend / (8.0 * f64::from(parts * parts))
     }
-}
-
-/// Control points of the uniform cubic B-spline through nodes, with second derivative zero at both
-/// ends: two more than nodes. Cost: linear.
-pub(super) fn control_points(nodes: &[Point3<f64>]) -> Vec<Point3<f64>> {
-    let [first, .., last] = nodes else { return nodes.to_vec() };
-    let n = nodes.len();
-    // c[i - 1] + 4 c[i] + c[i + 1] = 6 node[i]; natural ends are control points themselves.
-    let mut control: Vec<Vector3<f64>> = vec![first.coords; n];
-    let mut ratio = vec![0.0; n];
-    for i in 1..n - 1 {
-        ratio[i] = 1.0 / (4.0 - ratio[i - 1]);
-        control[i] = (6.0 * nodes[i].coords - control[i - 1]) * ratio[i];
-    }
-    control[n - 1] = last.coords;
-    for i in (1..n - 1).rev() {
-        control[i] = control[i] - control[i + 1] * ratio[i];
-    }
-    let before = 2.0 * control[0] - control[1];
-    let behind = 2.0 * control[n - 1] - control[n - 2];
-    let all = std::iter::once(before).chain(control).chain(std::iter::once(behind));
-    all.map(Point3::from).collect()
 }

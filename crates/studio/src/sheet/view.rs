@@ -79,20 +79,22 @@ impl View {
         [self.right.dot(&p.coords) - self.origin.x, self.down.dot(&p.coords) - self.origin.y]
     }
 
+    /// The point of the near side of the box, or `before` it, m, that is at a position in the
+    /// picture, and the direction of sight.
+    pub(super) fn ray(&self, [x, y]: [f64; 2], before: f64) -> (Point3<f64>, Vector3<f64>) {
+        let across = self.right * (self.origin.x + x) + self.down * (self.origin.y + y);
+        (Point3::from(across + self.away * (self.origin.z - before)), self.away)
+    }
+
     /// Components of a vector across the view: right, down.
     pub(super) fn across(&self, v: &Vector3<f64>) -> Vector2<f64> {
         Vector2::new(self.right.dot(v), self.down.dot(v))
     }
 
-    /// Distance of a point behind the near side of the box, m.
-    pub(super) fn distance(&self, p: &Point3<f64>) -> f64 {
-        self.away.dot(&p.coords) - self.origin.z
-    }
-
     /// Relative depth of a point: 0 at the near side of the box, up to 1 at the far side of a deep
     /// one.
     pub(super) fn depth(&self, p: &Point3<f64>) -> f64 {
-        (self.distance(p) / self.depth).clamp(0.0, 1.0)
+        ((self.away.dot(&p.coords) - self.origin.z) / self.depth).clamp(0.0, 1.0)
     }
 }
 

@@ -1,6 +1,25 @@
-use super::super::sample;
 use super::*;
-use nalgebra::Isometry3;
+use nalgebra::{Isometry3, Rotation3};
+use rapunzel_collision::field::{Soup, shapes};
+
+/// A frame of three fibres that wave as time goes.
+fn waving(index: usize) -> Frame {
+    let time = index as f64 / 30.0;
+    let strand = |segments: usize| {
+        let at = |i: usize| 0.3 * i as f64 / segments as f64;
+        let point =
+            |i: usize| Point3::new(0.05 * (7.0 * at(i) + 3.0 * time).sin(), 0.01 * time, at(i));
+        Strand {
+            points: (0..=segments).map(point).collect(),
+            radii: vec![40e-6; segments + 1],
+            velocities: vec![Vector3::zeros(); segments + 1],
+            frames: vec![Rotation3::identity(); segments],
+            curvatures: vec![Vector3::zeros(); segments + 1],
+            forces: vec![Vector3::zeros(); segments],
+        }
+    };
+    Frame { index, time, strands: [5, 8, 11].map(strand).to_vec() }
+}
 
 fn picture(frame: Frame) -> PreviewFrame {
     PreviewFrame::new(frame, Vec::new()).expect("a sound frame")
@@ -14,7 +33,7 @@ fn decode(bytes: &[u8]) -> (png::OutputInfo, Vec<u8>) {
 
 #[test]
 fn a_sheet_is_a_png_with_dark_fibers_on_paper() {
-    let frames: Vec<PreviewFrame> = (0..30).map(sample::frame).map(picture).collect();
+    let frames: Vec<PreviewFrame> = (0..30).map(waving).map(picture).collect();
     let mut bytes = Vec::new();
     write(&mut bytes, &frames, &[], &[]).expect("a sheet");
     let (info, pixels) = decode(&bytes);
@@ -29,7 +48,7 @@ fn a_sheet_is_a_png_with_dark_fibers_on_paper() {
 
 #[test]
 fn odd_shapes_have_a_sheet() {
-    let mut line = sample::frame(0);
+    let mut line = waving(0);
     for p in line.strands.iter_mut().flat_map(|s| &mut s.points) {
         (p.x, p.y) = (0.0, 0.0);
     }
@@ -40,13 +59,16 @@ fn odd_shapes_have_a_sheet() {
         write(&mut bytes, &[picture(frame)], &[], &[]).expect("a sheet");
         assert!(decode(&bytes).0.width >= 20);
     }
-    assert!(matches!(write(&mut Vec::new(), &[], &[], &[]), Err(ExportError::Empty)));
+    assert!(matches!(
+        write(&mut Vec::new(), &[], &[], &[]),
+        Err(StudioError::Frame(ExportError::Empty))
+    ));
 }
 
 /// A wall hides what is behind it, and nothing of what is before it.
 #[test]
 fn surfaces_hide_what_is_behind_them() {
-    let frame = picture(sample::frame(0));
+    let frame = picture(waving(0));
     let dark = |offset: f64| {
         let wall = [[-0.2, -0.1], [0.2, -0.1], [0.2, 0.5], [-0.2, 0.5]];
         let surface = Soup {
@@ -56,21 +78,21 @@ fn surfaces_hide_what_is_behind_them() {
         let wall = vec![Placed { pose: Isometry3::identity(), surface }];
         let mut bytes = Vec::new();
         write(&mut bytes, std::slice::from_ref(&frame), &[wall], &[]).expect("a sheet");
-        decode(&bytes).1.chunks(3).filter(|p| p[0].saturating_sub(p[2]) > 20).count()
+        decode(&bytes).1.chunks(3).filter(|p| p[0].saturating_sub(p[2]) > 10).count()
     };
     let (before, behind) = (dark(-0.1), dark(0.1));
     // Three fibres of 0.3 m in a picture of less than a metre, which has 900 pixels: a line each.
     assert!(before == 0 && behind > 800, "{before}, {behind}");
     let two = [Vec::new(), Vec::new()];
     let refused = write(&mut Vec::new(), &[frame.clone(), frame.clone(), frame], &two, &[]);
-    assert!(matches!(refused, Err(ExportError::Surface { .. })));
+    assert!(matches!(refused, Err(StudioError::Frame(ExportError::Surface { .. }))));
 }
 
 /// A far object is in the picture with all its corners: the scale is that of both.
 #[test]
 fn nothing_is_cut_off() {
-    let frame = picture(sample::frame(0));
-    let surface = rapunzel_collision::field::shapes::cuboid(Vector3::repeat(0.1));
+    let frame = picture(waving(0));
+    let surface = shapes::cuboid(Vector3::repeat(0.1));
     let far = Isometry3::translation(3.0, 0.0, 0.0);
     let vertices = surface.vertices.iter().map(|p| far * p).collect();
     let cuboid = Placed { pose: far, surface: Soup { vertices, ..surface } };
@@ -88,7 +110,7 @@ fn nothing_is_cut_off() {
 #[test]
 fn what_holds_a_fiber_is_marked() {
     let sheet = |supports: Vec<Support>| {
-        let picture = PreviewFrame::new(sample::frame(0), supports)?;
+        let picture = PreviewFrame::new(waving(0), supports)?;
         let mut bytes = Vec::new();
         write(&mut bytes, &[picture], &[], &[]).map(|()| decode(&bytes))
     };
@@ -106,13 +128,13 @@ fn what_holds_a_fiber_is_marked() {
     }
     assert_ne!(changed(true), changed(false));
     let nowhere = sheet(vec![Support { strand: 3, point: 0, clamped: true }]);
-    assert!(matches!(nowhere, Err(ExportError::Series { .. })));
+    assert!(matches!(nowhere, Err(StudioError::Frame(ExportError::Series { .. }))));
 }
 
 /// The dark pixels of a rose come where wind blows, and its arrow lies the way it blows.
 #[test]
 fn a_rose_shows_the_wind() {
-    let frame = picture(sample::frame(0));
+    let frame = picture(waving(0));
     let sheet = |winds: &[Vector3<f64>]| {
         let mut bytes = Vec::new();
         write(&mut bytes, std::slice::from_ref(&frame), &[], winds).map(|()| decode(&bytes))
@@ -138,6 +160,6 @@ fn a_rose_shows_the_wind() {
     assert!(only(&up, &down) + 5.0 < only(&down, &up));
     let refused = [vec![Vector3::x(); 2], vec![Vector3::repeat(f64::NAN)]];
     for winds in refused {
-        assert!(matches!(sheet(&winds), Err(ExportError::Wind { .. })));
+        assert!(matches!(sheet(&winds), Err(StudioError::Wind { .. })));
     }
 }

@@ -1,6 +1,7 @@
 use super::font;
-use crate::ExportError;
-use nalgebra::{Point2, Point3, Rotation2, Vector2};
+use crate::StudioError;
+use nalgebra::{Point2, Rotation2, Vector2, Vector3};
+use rapunzel_render::Film;
 use std::f64::consts::TAU;
 use std::io::Write;
 
@@ -20,29 +21,37 @@ pub(super) struct Canvas {
     width: usize,
     height: usize,
     pixels: Vec<Pixel>,
-    /// Distance from the eye of the nearest triangle at each pixel, m.
-    depths: Vec<f64>,
 }
 
 impl Canvas {
     pub(super) fn new(size: [f64; 2], paper: Color) -> Self {
         let [width, height] = size.map(|x| clamped(x.ceil(), 1 << 14).max(1));
-        let depths = vec![f64::INFINITY; width * height];
-        Self { width, height, pixels: vec![pixel(paper); width * height], depths }
+        Self { width, height, pixels: vec![pixel(paper); width * height] }
     }
 
-    /// Draws a line in front of everything.
+    /// Lays colors over a pixel.
+    pub(super) fn set(&mut self, x: usize, y: usize, color: Color) {
+        if x < self.width && y < self.height {
+            self.pixels[y * self.width + x] = pixel(color);
+        }
+    }
+
+    /// Lays a film over, its left edge at `left`, its pixels encoded for display by `encode`.
+    pub(super) fn picture(
+        &mut self,
+        left: f64,
+        film: &Film,
+        encode: impl Fn(&Vector3<f64>) -> Color,
+    ) {
+        let (left, columns) = (clamped(left, self.width), film.size()[0] as usize);
+        for (index, pixel) in film.pixels().iter().enumerate() {
+            self.set(left + index % columns, index / columns, encode(&pixel.radiance()));
+        }
+    }
+
+    /// Draws a line of the given width with round ends. Antialiased: the coverage of a pixel goes
+    /// from zero half a pixel outside of the line to one half a pixel inside.
     pub(super) fn line(&mut self, a: Point2<f64>, b: Point2<f64>, width: f64, color: Color) {
-        let [a, b] = [a, b].map(|p| Point3::new(p.x, p.y, f64::MIN));
-        self.stroke(a, b, width, color);
-    }
-
-    /// Draws a line of the given width with round ends, where no triangle hides it; the third
-    /// coordinate is the distance from the eye. Antialiased: the coverage of a pixel goes from zero
-    /// half a pixel outside of the line to one half a pixel inside.
-    pub(super) fn stroke(&mut self, a: Point3<f64>, b: Point3<f64>, width: f64, color: Color) {
-        let depths = [a.z, b.z];
-        let (a, b) = (a.xy(), b.xy());
         let reach = 0.5 * width + 1.0;
         let along = b - a;
         let squared = along.norm_squared();
@@ -54,16 +63,13 @@ impl Canvas {
             for x in columns.clone() {
                 let p = Point2::new(x as f64 + 0.5, y as f64 + 0.5) - a;
                 let t = if squared > 0.0 { (p.dot(&along) / squared).clamp(0.0, 1.0) } else { 0.0 };
-                if self.depths[y * self.width + x] < depths[0] + t * (depths[1] - depths[0]) {
-                    continue;
-                }
                 let cover = 0.5 * width + 0.5 - (p - t * along).norm();
                 self.blend(x, y, color, cover.clamp(0.0, 1.0));
             }
         }
     }
 
-    /// Draws a ring in front of everything.
+    /// Draws a ring.
     pub(super) fn ring(&mut self, center: Point2<f64>, radius: f64, color: Color) {
         let rim = |k: usize| {
             let turn = Rotation2::new(TAU * k as f64 / SIDES as f64);
@@ -72,33 +78,14 @@ impl Canvas {
         (0..SIDES).for_each(|k| self.line(rim(k), rim(k + 1), 1.0, color));
     }
 
-    /// Draws a triangle, where no other hides it; the third coordinate is the distance from the
-    /// eye.
-    pub(super) fn triangle(&mut self, corners: [Point3<f64>; 3], color: Color) {
-        let [a, b, c] = corners.map(|p| p.xy());
-        let (ab, ac) = (b - a, c - a);
-        let area = ab.perp(&ac);
-        if area.abs() < 1e-12 {
-            return;
-        }
+    /// Fills a rectangle.
+    pub(super) fn fill(&mut self, corner: [f64; 2], size: [f64; 2], color: Color) {
         let range = |k: usize, limit: usize| {
-            let (least, most) = (a[k].min(b[k]).min(c[k]), a[k].max(b[k]).max(c[k]));
-            let first = clamped((least - 0.5).ceil(), limit);
-            first..clamped((most + 0.5).floor(), limit).max(first)
+            clamped(corner[k].round(), limit)..clamped((corner[k] + size[k]).round(), limit)
         };
-        let (columns, rows) = (range(0, self.width), range(1, self.height));
-        let kept = pixel(color);
-        for y in rows {
-            for x in columns.clone() {
-                let p: Vector2<f64> = Point2::new(x as f64 + 0.5, y as f64 + 0.5) - a;
-                let (s, t) = (p.perp(&ac) / area, ab.perp(&p) / area);
-                let [az, bz, cz] = corners.map(|p| p.z);
-                let depth = az + s * (bz - az) + t * (cz - az);
-                let pixel = y * self.width + x;
-                if s.min(t).min(1.0 - s - t) >= 0.0 && depth < self.depths[pixel] {
-                    self.depths[pixel] = depth;
-                    self.pixels[pixel] = kept;
-                }
+        for y in range(1, self.height) {
+            for x in range(0, self.width) {
+                self.pixels[y * self.width + x] = pixel(color);
             }
         }
     }
@@ -140,7 +127,7 @@ impl Canvas {
         }
     }
 
-    pub(super) fn write(&self, out: &mut impl Write) -> Result<(), ExportError> {
+    pub(super) fn write(&self, out: &mut impl Write) -> Result<(), StudioError> {
         let bytes: Vec<u8> = self.pixels.iter().flatten().map(|x| byte(*x)).collect();
         // The size is at most 2^14 on a side.
         let [width, height] =

@@ -1,5 +1,5 @@
-use super::canvas::{Canvas, Color};
 use super::view::View;
+use crate::canvas::{Canvas, Color};
 use nalgebra::{Point2, Rotation2, Vector3};
 use std::f64::consts::PI;
 

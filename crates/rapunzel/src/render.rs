@@ -1,0 +1,286 @@
+use crate::arguments::{CameraPlace, RenderOptions};
+use crate::failure::{Failure, INTERRUPTED};
+use crate::run::{CANCEL, catch_interrupts, start_threads};
+use crate::words::{build_stage, complain, growth_stage, say, spinner};
+use indicatif::{ProgressBar, ProgressStyle};
+use nalgebra::{Point3, Vector3};
+use rapunzel_render::{
+    Camera, CurveForm, Film, FilmKey, LightSearch, PathTracer, Projection, RenderError, Sky, Tone,
+    read_exr_map, write_exr, write_png,
+};
+use rapunzel_sim::{Shown, ShownFrame, ShownStage, write_atomically};
+use rapunzel_studio::{
+    ColorRange, Coloring, HairLook, StageOptions, StudioError, StudioStage, write_with_legend,
+};
+use std::fs::{self, File};
+use std::io::{self, BufReader};
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode, Stdio};
+use std::time::Instant;
+
+/// Samples of a pixel between two marks of the progress bar.
+const PASS: u32 = 4;
+/// Frames of a film for each second of it, where nothing else is known.
+const FILM_RATE: u32 = 24;
+
+/// Draws pictures.
+pub(crate) fn render(options: &RenderOptions, json: bool) -> Result<ExitCode, Failure> {
+    start_threads(options.threads)?;
+    catch_interrupts("interrupted: nothing is drawn")?;
+    let path = &options.what;
+    let bar = spinner(json);
+    let at = |stage: ShownStage| match stage {
+        ShownStage::Building(stage) => bar.set_message(build_stage(stage)),
+        ShownStage::Growing(stage) => bar.set_message(growth_stage(stage)),
+    };
+    let shown = Shown::open(path, &at);
+    bar.finish_and_clear();
+    let shown = shown.map_err(Failure::of(path))?;
+    let many = options.film || options.turntable.is_some();
+    let pictures = pictures(options, &shown)?;
+    let out = options.out.clone().unwrap_or_else(|| default_out(path, many));
+    if many {
+        fs::create_dir_all(&out).map_err(|error| unusable(&out, &error))?;
+    }
+    let mut stage_options = stage_options(options, &shown)?;
+    if let Some(coloring) = options.color_by {
+        // One range for all pictures.
+        let mut range = ColorRange::of([]);
+        for (index, _) in &pictures {
+            let frame = shown.frame(*index).map_err(Failure::of(path))?;
+            let of = ColorRange::of(coloring.values(&frame.frame));
+            range = ColorRange::of([range.low, range.high, of.low, of.high]);
+        }
+        stage_options.coloring = Some((coloring, range));
+    }
+    let start = Instant::now();
+    let mut camera = None;
+    for (number, (index, turn)) in pictures.iter().enumerate() {
+        let shot = Shot::new(&shown, *index, &stage_options).map_err(of_studio(path))?;
+        // A film has one camera; a turntable turns it.
+        if camera.is_none() || *turn != 0.0 {
+            camera = Some(shot.camera(options, *turn).map_err(of_studio(path))?);
+        }
+        let Some(camera) = &camera else { continue };
+        let file = if many { out.join(format!("picture-{number:04}.png")) } else { out.clone() };
+        let film = expose(options, &shot.stage, camera, &file, json)?;
+        let Some(film) = film else { return Ok(ExitCode::from(INTERRUPTED)) };
+        write(options, &film, stage_options.coloring.as_ref(), &file)?;
+        tell(&film, &file, start.elapsed().as_secs_f64(), json)?;
+    }
+    if many {
+        encode(&out)?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Indices of the frames to draw, each with the angle, degrees, by which the camera is turned.
+fn pictures(options: &RenderOptions, shown: &Shown) -> Result<Vec<(usize, f64)>, Failure> {
+    let last = shown.count() - 1;
+    if options.film {
+        return Ok((0..=last).map(|index| (index, 0.0)).collect());
+    }
+    if let Some(count) = options.turntable {
+        let turn = |k: u16| (last, 360.0 * f64::from(k) / f64::from(count));
+        return Ok((0..count).map(turn).collect());
+    }
+    match options.frame {
+        Some(frame) if frame > last => Err(Failure::File(format!(
+            "{} has the frames 0 to {last}, and no frame {frame}",
+            options.what.display()
+        ))),
+        frame => Ok(vec![(frame.unwrap_or(last), 0.0)]),
+    }
+}
+
+/// What stands before the camera.
+struct Shot {
+    stage: StudioStage,
+}
+
+impl Shot {
+    fn new(shown: &Shown, index: usize, options: &StageOptions) -> Result<Self, StudioError> {
+        let ShownFrame { frame, objects } =
+            shown.frame(index).map_err(|error| io::Error::other(error.to_string()))?;
+        Ok(Self { stage: StudioStage::new(&frame, &objects, options)? })
+    }
+
+    fn camera(&self, options: &RenderOptions, turn: f64) -> Result<Camera, StudioError> {
+        let view = options.view.to_radians();
+        match options.camera {
+            CameraPlace::Around([azimuth, elevation]) => {
+                let aspect = f64::from(options.size[0]) / f64::from(options.size[1]);
+                let angles = [azimuth + turn, elevation].map(f64::to_radians);
+                self.stage.camera(angles, view, aspect)
+            }
+            CameraPlace::At(places) => {
+                let [from, to] = places.map(Point3::from);
+                let projection = Projection::Perspective { field_of_view: view };
+                let level = (to - from).xy().norm() > 1e-6 * (to - from).norm();
+                let up = if level { Vector3::z() } else { Vector3::y() };
+                Ok(Camera::new(from, &to, &up, projection)?)
+            }
+        }
+    }
+}
+
+fn stage_options(options: &RenderOptions, shown: &Shown) -> Result<StageOptions, Failure> {
+    let sky = options.sky.as_ref().map(|path| sky(path)).transpose()?;
+    Ok(StageOptions {
+        look: HairLook { pigments: options.hair, model: options.model, ..HairLook::default() },
+        coloring: None,
+        basis: if options.linear { CurveForm::Linear } else { CurveForm::Cubic },
+        ratio: shown.ratio(),
+        exposure: options.shutter,
+        ground: !options.no_ground,
+        sky,
+    })
+}
+
+fn sky(path: &Path) -> Result<Sky, Failure> {
+    let file = File::open(path).map_err(|error| unusable(path, &error))?;
+    let map = read_exr_map(BufReader::new(file), &Vector3::z(), 0.0);
+    map.map(Sky::Map).map_err(|error| Failure::File(format!("{}: {error}", path.display())))
+}
+
+/// Fills a film; none if it was interrupted, and then what there is of it lies beside the picture.
+fn expose(
+    options: &RenderOptions,
+    stage: &StudioStage,
+    camera: &Camera,
+    file: &Path,
+    json: bool,
+) -> Result<Option<Film>, Failure> {
+    let of = |error: RenderError| Failure::File(format!("{}: {error}", file.display()));
+    let (seed, order) = (options.seed, options.order);
+    let tracer = PathTracer { scene: &stage.scene, camera, seed, order, search: LightSearch::Both };
+    let key = FilmKey { seed, hash: hash(options, camera) };
+    let kept = file.with_extension("part");
+    let mut film = Film::new(options.size).map_err(of)?;
+    if options.resume {
+        let input = File::open(&kept).map_err(|error| unusable(&kept, &error))?;
+        film = Film::read_state(&mut BufReader::new(input), &key).map_err(of)?;
+    }
+    let bar = if json { ProgressBar::hidden() } else { progress_bar(options.samples) };
+    let stop = || CANCEL.hear();
+    let mut done = 0;
+    while done < options.samples && !stop() {
+        done = (done + PASS).min(options.samples);
+        tracer.expose(&mut film, done, &stop);
+        bar.set_position(u64::from(done));
+    }
+    bar.finish_and_clear();
+    if stop() {
+        write_atomically(&kept, |to| film.write_state(to, &key).map_err(io::Error::other))
+            .map_err(Failure::of(file))?;
+        complain(&format!(
+            "interrupted: {} holds what there is, and --resume goes on with it",
+            kept.display()
+        ));
+        return Ok(None);
+    }
+    if options.resume {
+        // What it held is in the picture.
+        let _ = fs::remove_file(&kept);
+    }
+    Ok(Some(film))
+}
+
+/// A number of all that decides the samples of a picture, as far as the command line says it.
+fn hash(options: &RenderOptions, camera: &Camera) -> [u8; 32] {
+    let RenderOptions { what, frame, size, order, hair, model, color_by, linear, .. } = options;
+    let RenderOptions { no_ground, sky, shutter, .. } = options;
+    let text = format!(
+        "{what:?} {frame:?} {size:?} {order:?} {hair:?} {model:?} {color_by:?} {linear} {no_ground} \
+         {sky:?} {shutter} {camera:?}"
+    );
+    *blake3::hash(text.as_bytes()).as_bytes()
+}
+
+fn write(
+    options: &RenderOptions,
+    film: &Film,
+    coloring: Option<&(Coloring, ColorRange)>,
+    file: &Path,
+) -> Result<(), Failure> {
+    let (tone, exposure) = (Tone::Filmic, options.exposure);
+    write_atomically(file, |to| match coloring {
+        Some((coloring, range)) => {
+            let tone = (Tone::Srgb, exposure);
+            write_with_legend(to, film, tone, (*coloring, range)).map_err(io::Error::other)
+        }
+        None => write_png(to, film, tone, exposure, false).map_err(io::Error::other),
+    })
+    .map_err(Failure::of(file))?;
+    if options.exr {
+        let file = file.with_extension("exr");
+        let wrote = write_atomically(&file, |to| write_exr(to, film).map_err(io::Error::other));
+        wrote.map_err(Failure::of(&file))?;
+    }
+    Ok(())
+}
+
+fn tell(film: &Film, file: &Path, seconds: f64, json: bool) -> Result<(), Failure> {
+    let count = film.pixels().len() as f64;
+    let mean: Vector3<f64> =
+        film.pixels().iter().map(|pixel| pixel.radiance()).sum::<Vector3<f64>>() / count;
+    let error = film.standard_error().map(|error| error / count.sqrt());
+    if film.rejected() > 0 {
+        complain(&format!("warning: {} samples were no numbers, and left out", film.rejected()));
+    }
+    if json {
+        return say(&serde_json::json!({
+            "file": file, "wall_seconds": seconds, "mean_radiance": mean.as_slice(),
+            "standard_error": error, "rejected": film.rejected(),
+        })
+        .to_string());
+    }
+    let noise = film.standard_error().map_or(String::new(), |error| {
+        format!(", noise of a pixel {:.1} % of the mean", 100.0 * error / mean.mean())
+    });
+    say(&format!("{}  {seconds:.1} s{noise}", file.display()))
+}
+
+/// Joins numbered pictures to a film, where there is an encoder.
+fn encode(folder: &Path) -> Result<(), Failure> {
+    let film = folder.join("film.mp4");
+    let rate = FILM_RATE.to_string();
+    let status = Command::new("ffmpeg")
+        .args(["-y", "-loglevel", "error", "-framerate", &rate, "-i"])
+        .arg(folder.join("picture-%04d.png"))
+        .args(["-pix_fmt", "yuv420p", "-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2"])
+        .arg(&film)
+        .stdin(Stdio::null())
+        .status();
+    match status {
+        Ok(status) if status.success() => say(&format!("{}", film.display())),
+        Ok(_) => {
+            complain("warning: ffmpeg made no film of the pictures");
+            Ok(())
+        }
+        Err(_) => {
+            complain("there is no ffmpeg here: the numbered pictures are the film");
+            Ok(())
+        }
+    }
+}
+
+/// The picture beside which nothing is, or the folder.
+fn default_out(what: &Path, many: bool) -> PathBuf {
+    let stem = what.file_stem().unwrap_or_default().to_string_lossy();
+    PathBuf::from(if many { format!("{stem}-film") } else { format!("{stem}.png") })
+}
+
+fn progress_bar(samples: u32) -> ProgressBar {
+    let style = ProgressStyle::with_template("{bar:40} {pos} of {len} samples  {eta} left");
+    let bar = ProgressBar::new(u64::from(samples));
+    bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}
+
+fn unusable(path: &Path, error: &io::Error) -> Failure {
+    Failure::File(format!("cannot use {}: {error}", path.display()))
+}
+
+fn of_studio(path: &Path) -> impl Fn(StudioError) -> Failure {
+    move |error| Failure::File(format!("{}: {error}", path.display()))
+}
