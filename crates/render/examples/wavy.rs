@@ -2,6 +2,7 @@
 //!
 //! It prints the mean of the picture, its standard error, and what it cost, a name, a value and a
 //! unit per line.
+#![expect(clippy::print_stdout, reason = "it is what the example is for")]
 
 #[path = "../tests/it/wavy.rs"]
 mod wavy;

@@ -102,8 +102,9 @@ pub(crate) fn near_and_far() -> Fallible<Figure> {
         let (_, far) = across(&far_field, degrees.to_radians());
         let relative = points.iter().map(|p| [p[0], p[1] / far]);
         curves.push(curve(&format!("near field, light at {degrees:.0} degrees"), relative));
+        let name = "mean of the near field over the width over the far field, less 1";
         checks.push(check(
-            format!("mean of the near field over the width over the far field, less 1, {degrees:.0} degrees"),
+            format!("{name}, {degrees:.0} degrees"),
             100.0 * (mean / far - 1.0),
             "%",
             Criterion::Within(-0.5, 0.5),
