@@ -10,12 +10,13 @@ struct Chapter {
     example: &'static str,
 }
 
-const CHAPTERS: [Chapter; 7] = [
+const CHAPTERS: [Chapter; 8] = [
     Chapter { name: "ch2", package: "rapunzel-keratin", example: "ch2" },
     Chapter { name: "ch3-static", package: "rapunzel-rod-static", example: "ch3" },
     Chapter { name: "ch3-dynamic", package: "rapunzel-sim", example: "repro" },
     Chapter { name: "ch4", package: "rapunzel-sim", example: "ch4" },
     Chapter { name: "ch5", package: "rapunzel-hairgen", example: "ch5" },
+    Chapter { name: "ch6", package: "rapunzel-render", example: "ch6" },
     Chapter { name: "ch7", package: "rapunzel-collision", example: "ch7" },
     Chapter { name: "ch8", package: "rapunzel-sim", example: "ch8" },
 ];

@@ -21,7 +21,7 @@ const ARROWS: [(&str, &[&str]); 25] = [
     ("rod-static", &["fiber", "oracles", "repro"]),
     ("rod-dynamic", &["fiber", "lanes", "linalg", "rod-static", "oracles"]),
     ("scattering", &["fiber", "oracles"]),
-    ("render", &["fiber", "lanes", "scattering"]),
+    ("render", &["fiber", "lanes", "scattering", "repro"]),
     ("collision", &["fiber", "lanes", "oracles", "repro"]),
     ("contact", &["fiber", "lanes", "collision", "oracles"]),
     ("electrostatics", &["fiber", "lanes", "collision"]),
