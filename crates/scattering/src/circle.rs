@@ -33,7 +33,8 @@ impl CirclePaths {
     /// Paths in a medium of index `n` under the inclination `theta`, rad.
     ///
     /// # Errors
-    /// [`ScatteringError::Parameter`] if `n` is not in `[1, 10]` or `theta` not inside `(-pi/2, pi/2)`.
+    /// [`ScatteringError::Parameter`] if `n` is not in `[1, 10]` or `theta` not inside `(-pi/2,
+    /// pi/2)`.
     pub fn new(n: f64, theta: f64) -> Result<Self, ScatteringError> {
         check_index(n)?;
         BravaisIndices::new(n, theta)?;

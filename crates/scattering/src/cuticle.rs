@@ -22,7 +22,8 @@ impl CuticleTilt {
     /// small angles the order `p` is shifted by `2 (p n - 1) alpha`.
     ///
     /// # Errors
-    /// [`ScatteringError::Parameter`] if `n` is not in `[1, 10]` or a ray cannot leave under that tilt.
+    /// [`ScatteringError::Parameter`] if `n` is not in `[1, 10]` or a ray cannot leave under that
+    /// tilt.
     pub fn of_scales(n: f64, alpha: f64) -> Result<Self, ScatteringError> {
         Ok(Self { shift: Self::trace(n, alpha, 0.0)? })
     }

@@ -1,6 +1,6 @@
 use crate::circle::wrapped;
+use crate::exponential::transmitted;
 use crate::refraction::{Cone, check_index, cosine};
-use crate::scatterer::transmitted;
 use crate::{BravaisIndices, Caustic, ScatteringError};
 use nalgebra::{Vector2, Vector3};
 use rapunzel_fiber::Section;
@@ -33,8 +33,8 @@ impl EllipsePaths {
     /// `theta`, rad. Only the shape of the section counts, not its size.
     ///
     /// # Errors
-    /// [`ScatteringError::Parameter`] if `n` is not in `[1, 10]` or `theta` not inside `(-pi/2, pi/2)`;
-    /// [`ScatteringError::Section`] if an axis is not positive and finite.
+    /// [`ScatteringError::Parameter`] if `n` is not in `[1, 10]` or `theta` not inside `(-pi/2,
+    /// pi/2)`; [`ScatteringError::Section`] if an axis is not positive and finite.
     pub fn new(n: f64, theta: f64, section: &Section) -> Result<Self, ScatteringError> {
         check_index(n)?;
         BravaisIndices::new(n, theta)?;

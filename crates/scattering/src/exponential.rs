@@ -1,3 +1,4 @@
+use nalgebra::Vector3;
 use std::f64::consts::{LN_2, LOG2_E};
 
 /// `exp(x)` of numbers at most 1, to 5e-16 of its value; what is below -600 is taken as -600, so
@@ -38,6 +39,16 @@ pub(crate) fn exponentials<const N: usize>(x: [f64; N]) -> [f64; N] {
         *found = sum * power;
     }
     all
+}
+
+/// What a path of the length `l` radii transmits (thesis (6.9)).
+pub(crate) fn transmitted(sigma: &Vector3<f64>, l: f64) -> Vector3<f64> {
+    if *sigma == Vector3::zeros() {
+        return Vector3::repeat(1.0);
+    }
+    // Four are as quick as three.
+    let [r, g, b, _] = exponentials([-sigma.x * l, -sigma.y * l, -sigma.z * l, 0.0]);
+    Vector3::new(r, g, b)
 }
 
 #[cfg(test)]

@@ -24,7 +24,8 @@ impl KajiyaKay {
     /// together at most 1, and the exponent of the highlight, `cos^exponent(theta_i + theta_r)`.
     ///
     /// # Errors
-    /// [`ScatteringError::Parameter`] if a share or the exponent, in `[0, 1e4]`, is outside its range.
+    /// [`ScatteringError::Parameter`] if a share or the exponent, in `[0, 1e4]`, is outside its
+    /// range.
     pub fn new(
         diffuse: Vector3<f64>,
         specular: Vector3<f64>,

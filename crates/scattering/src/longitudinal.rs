@@ -117,7 +117,8 @@ impl SymmetricLobe {
     /// A lobe of the variance `v`, rad^2, with its peak at `theta_r = shift - theta_i`, rad.
     ///
     /// # Errors
-    /// [`ScatteringError::Parameter`] if `v` is not in `[1e-8, 1e8]` or `shift` not in `[-pi/2, pi/2]`.
+    /// [`ScatteringError::Parameter`] if `v` is not in `[1e-8, 1e8]` or `shift` not in `[-pi/2,
+    /// pi/2]`.
     pub fn new(v: f64, shift: f64) -> Result<Self, ScatteringError> {
         check_variance(v)?;
         check("the tilt of a lobe (rad)", shift, "in [-pi/2, pi/2]", shift.abs() <= 0.5 * PI)?;

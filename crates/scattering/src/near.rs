@@ -34,11 +34,11 @@ use std::f64::consts::{PI, TAU};
 /// light, 0.89 to 1.15 at 60 degrees and up to 1.4 at the very edge at 85. For an ellipse, the
 /// balance of energy is that of the mean over its azimuths.
 ///
-/// Samples of a circle weigh what is scattered at their offset, to 2e-4; those of an ellipse deviate
-/// from that by a seventh to a third.
+/// Samples of a circle weigh what is scattered at their offset, to 2e-4; those of an ellipse
+/// deviate from that by a seventh to a third.
 ///
-/// Building costs some 0.12 s (an ellipse 0.4 s), an evaluation a third of a microsecond (an ellipse
-/// three quarters), a sample twice that, without allocation.
+/// Building costs some 0.12 s (an ellipse 0.4 s), an evaluation a third of a microsecond (an
+/// ellipse three quarters), a sample twice that, without allocation.
 #[derive(Debug, Clone)]
 pub struct NearField {
     scatterer: Scatterer,
@@ -60,8 +60,8 @@ impl NearField {
     /// lie along d1 and d2.
     ///
     /// # Errors
-    /// [`ScatteringError`] if a value is outside its range, or if polarisation is to be tracked in an
-    /// ellipse.
+    /// [`ScatteringError`] if a value is outside its range, or if polarisation is to be tracked in
+    /// an ellipse.
     pub fn new(optics: FiberOptics, section: &Section) -> Result<Self, ScatteringError> {
         let scatterer = Scatterer::new(optics, FiberOutline::of(section)?)?;
         let balance = Balance::new(&scatterer, &EnergyTable::new(&scatterer));

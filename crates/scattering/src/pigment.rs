@@ -72,8 +72,8 @@ impl Pigments {
 /// wanted `color`, linear red, green and blue (Chiang et al. 2016, (9), a fit to their renderings).
 ///
 /// # Errors
-/// [`ScatteringError::Parameter`] if `beta` is not in `[0, 1]` or a color not in `(0, 1]`; black would
-/// need an infinite absorption.
+/// [`ScatteringError::Parameter`] if `beta` is not in `[0, 1]` or a color not in `(0, 1]`; black
+/// would need an infinite absorption.
 pub fn absorption_of_color(
     color: &Vector3<f64>,
     beta: f64,

@@ -72,8 +72,8 @@ impl BravaisIndices {
     /// The indices of a medium of index `n` under the inclination `theta`, rad.
     ///
     /// # Errors
-    /// [`ScatteringError::Parameter`] if `n` is not in `[1, 10]` or `theta` not inside `(-pi/2, pi/2)`,
-    /// at whose ends `n'` is infinite and `n''` zero.
+    /// [`ScatteringError::Parameter`] if `n` is not in `[1, 10]` or `theta` not inside `(-pi/2,
+    /// pi/2)`, at whose ends `n'` is infinite and `n''` zero.
     pub fn new(n: f64, theta: f64) -> Result<Self, ScatteringError> {
         check_index(n)?;
         let cos = theta.cos();

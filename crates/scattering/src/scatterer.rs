@@ -1,7 +1,7 @@
 use crate::circle::CirclePaths;
 use crate::direction::flat;
 use crate::ellipse::EllipseOutline;
-use crate::exponential::exponentials;
+use crate::exponential::transmitted;
 use crate::longitudinal::{Inclination, SymmetricLobe};
 use crate::refraction::{Cone, cosine};
 use crate::roughness::Logistic;
@@ -133,16 +133,6 @@ impl Scatterer {
             }
         }
     }
-}
-
-/// What a path of the length `l` radii transmits (thesis (6.9)).
-pub(crate) fn transmitted(sigma: &Vector3<f64>, l: f64) -> Vector3<f64> {
-    if *sigma == Vector3::zeros() {
-        return Vector3::repeat(1.0);
-    }
-    // Four are as quick as three.
-    let [r, g, b, _] = exponentials([-sigma.x * l, -sigma.y * l, -sigma.z * l, 0.0]);
-    Vector3::new(r, g, b)
 }
 
 /// Squared cosine of `theta_d = (theta_r - theta_i) / 2`, the inclination at which a lobe between

@@ -46,8 +46,8 @@ impl StratumBounds {
     }
 }
 
-/// Reflectance rises with the offset and the inclination, that in the plane of incidence of an index
-/// beyond `2 + sqrt 3` so late that the mean falls at first; the path inside rises with the
+/// Reflectance rises with the offset and the inclination, that in the plane of incidence of an
+/// index beyond `2 + sqrt 3` so late that the mean falls at first; the path inside rises with the
 /// inclination, but falls with the offset.
 fn bounds(
     scatterer: &Scatterer,

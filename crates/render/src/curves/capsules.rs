@@ -9,8 +9,8 @@ const FINEST: u32 = 3;
 /// Chords are cut until the curve is no farther from them than this many radii.
 const SAGITTA: f64 = 8.0;
 
-/// Where a parabola bulges by less than this part of its chord, as a ray sees both, its nearest point
-/// is found by one step from that of the chord.
+/// Where a parabola bulges by less than this part of its chord, as a ray sees both, its nearest
+/// point is found by one step from that of the chord.
 const FLAT: f32 = 0.2;
 /// What such a step may leave out, of the bulge.
 const UNFOUND: f64 = 2e-4;

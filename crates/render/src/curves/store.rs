@@ -9,7 +9,7 @@ use rapunzel_fiber::spline::control_points;
 /// A control point of a curve, and what a ray needs beside it: both in half a line of the cache.
 #[derive(Debug, Clone, Copy)]
 #[repr(align(32))]
-struct ControlPoint {
+struct CurveControl {
     /// World, m.
     position: Point3<f64>,
     /// Radius at the node at this place, m.
@@ -25,7 +25,7 @@ pub(super) struct CurveStore {
     /// First control point of each fibre, and the number of all.
     starts: Vec<u32>,
     /// A piece is named by the first of its four control points (two if linear).
-    control: Vec<ControlPoint>,
+    control: Vec<CurveControl>,
     /// What is given at nodes, at the places of control points.
     axes: Vec<Vector3<f32>>,
     ways: Vec<Vector3<f32>>,
@@ -59,7 +59,7 @@ impl CurveStore {
             self.axes.extend(places().map(|k| fiber.axes[k].normalize().cast::<f32>()));
         }
         let radii = places().map(|k| fiber.radii[k]);
-        let point = |(position, radius)| ControlPoint { position, radius };
+        let point = |(position, radius)| CurveControl { position, radius };
         self.control.extend(points.into_iter().zip(radii).map(point));
         self.starts.push(short(self.control.len()));
     }

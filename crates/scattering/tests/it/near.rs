@@ -59,8 +59,8 @@ proptest! {
 
     /// The albedo at an offset is linear between the nodes of a table, an eighth of the square of
     /// their distance, 0.008 rad, times the second derivative of the logarithm: that of the
-    /// reflectance, near grazing, and of `exp(-sigma l)` is some 10 and at most, where nearly all is
-    /// absorbed, 50.
+    /// reflectance, near grazing, and of `exp(-sigma l)` is some 10 and at most, where nearly all
+    /// is absorbed, 50.
     #[test]
     fn samples_of_a_circle_weigh_what_is_scattered_at_their_offset(
         sigma in prop_oneof![Just(0.0), 0.0..3.0_f64], beta in 0.1..0.9_f64,

@@ -1,6 +1,7 @@
 use super::*;
-use nalgebra::{Isometry3, Rotation3};
+use nalgebra::{Isometry3, Point3, Rotation3};
 use rapunzel_collision::field::{Soup, shapes};
+use rapunzel_export::{Frame, Strand};
 
 /// A frame of three fibres that wave as time goes.
 fn waving(index: usize) -> Frame {
