@@ -271,6 +271,8 @@ mod tests {
             String::from_utf8(bytes).expect("text")
         };
         let text = scene(&objects);
+        let tilt = -look().scale_tilt.to_degrees();
+        let tilt = format!(r#"<float name="scale_tilt" value="{tilt}"/>"#);
         for part in [
             r#"<shape type="bsplinecurve">"#,
             r#"value="a&amp;b.txt""#,
@@ -279,7 +281,7 @@ mod tests {
             r#"<float name="int_ior" value="1.55"/>"#,
             r#"<float name="longitudinal_roughness" value="0.3"/>"#,
             r#"<float name="azimuthal_roughness" value="0.25"/>"#,
-            r#"<float name="scale_tilt" value="-3"/>"#,
+            tilt.as_str(),
             r#"value="c.obj""#,
             r#"<sensor type="perspective">"#,
             r#"<emitter type="constant">"#,

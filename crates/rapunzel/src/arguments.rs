@@ -176,6 +176,9 @@ pub(crate) struct RenderOptions {
     /// Straight pieces from node to node instead of smooth curves.
     #[arg(long)]
     pub(crate) linear: bool,
+    /// How many times as thick fibres are drawn, where each stands for many.
+    #[arg(long, default_value_t = 1.0, value_name = "TIMES")]
+    pub(crate) thickness: f64,
     /// Leave the ground out.
     #[arg(long)]
     pub(crate) no_ground: bool,

@@ -5,12 +5,13 @@ use crate::words::{build_stage, complain, growth_stage, say, spinner};
 use indicatif::{ProgressBar, ProgressStyle};
 use nalgebra::{Point3, Vector3};
 use rapunzel_render::{
-    Camera, CurveForm, Film, FilmKey, LightSearch, PathTracer, Projection, RenderError, Sky, Tone,
-    read_exr_map, write_exr, write_png,
+    Camera, CurveForm, Film, FilmKey, FilmPixel, LightSearch, PathTracer, Projection, RenderError,
+    Sky, Tone, read_exr_map, write_exr, write_png,
 };
-use rapunzel_sim::{Shown, ShownFrame, ShownStage, write_atomically};
+use rapunzel_sim::{Shown, ShownFrame, ShownStage, SimError, write_atomically};
 use rapunzel_studio::{
-    ColorRange, Coloring, HairLook, StageOptions, StudioError, StudioStage, write_with_legend,
+    ColorRange, Coloring, HairLook, StageOptions, StudioError, StudioStage, camera_around, hull,
+    points, write_with_legend,
 };
 use std::fs::{self, File};
 use std::io::{self, BufReader};
@@ -22,6 +23,11 @@ use std::time::Instant;
 const PASS: u32 = 4;
 /// Frames of a film for each second of it, where nothing else is known.
 const FILM_RATE: u32 = 24;
+/// Longer side, pixels, and samples of a pixel of the pictures that tell what an order leaves out.
+const PROBE: f64 = 96.0;
+const PROBE_SAMPLES: u32 = 32;
+/// Points of a frame that tell where it is.
+const TELLING: usize = 20_000;
 
 /// Draws pictures.
 pub(crate) fn render(options: &RenderOptions, json: bool) -> Result<ExitCode, Failure> {
@@ -42,36 +48,60 @@ pub(crate) fn render(options: &RenderOptions, json: bool) -> Result<ExitCode, Fa
     if many {
         fs::create_dir_all(&out).map_err(|error| unusable(&out, &error))?;
     }
-    let mut stage_options = stage_options(options, &shown)?;
-    if let Some(coloring) = options.color_by {
-        // One range for all pictures.
-        let mut range = ColorRange::of([]);
-        for (index, _) in &pictures {
-            let frame = shown.frame(*index).map_err(Failure::of(path))?;
-            let of = ColorRange::of(coloring.values(&frame.frame));
-            range = ColorRange::of([range.low, range.high, of.low, of.high]);
-        }
-        stage_options.coloring = Some((coloring, range));
-    }
+    let series = Series::new(&shown, &pictures, options.color_by).map_err(Failure::of(path))?;
+    let stage_options = stage_options(options, &shown, &series)?;
     let start = Instant::now();
-    let mut camera = None;
+    let mut told = Vec::new();
     for (number, (index, turn)) in pictures.iter().enumerate() {
-        let shot = Shot::new(&shown, *index, &stage_options).map_err(of_studio(path))?;
-        // A film has one camera; a turntable turns it.
-        if camera.is_none() || *turn != 0.0 {
-            camera = Some(shot.camera(options, *turn).map_err(of_studio(path))?);
-        }
-        let Some(camera) = &camera else { continue };
+        let ShownFrame { frame, objects } = shown.frame(*index).map_err(Failure::of(path))?;
+        let stage = StudioStage::new(&frame, &objects, &stage_options).map_err(of_studio(path))?;
+        let camera = camera(options, &series.points, *turn).map_err(of_studio(path))?;
         let file = if many { out.join(format!("picture-{number:04}.png")) } else { out.clone() };
-        let film = expose(options, &shot.stage, camera, &file, json)?;
-        let Some(film) = film else { return Ok(ExitCode::from(INTERRUPTED)) };
+        let Some(film) = expose(options, &stage, &camera, &file, json)? else {
+            return Ok(ExitCode::from(INTERRUPTED));
+        };
         write(options, &film, stage_options.coloring.as_ref(), &file)?;
-        tell(&film, &file, start.elapsed().as_secs_f64(), json)?;
+        let left_out = options.order.map(|_| left_out(options, &stage, &camera));
+        let left_out = left_out.transpose().map_err(|error| failed(&file, &error))?;
+        told.push(tell(&film, &file, start.elapsed().as_secs_f64(), left_out, json)?);
     }
-    if many {
-        encode(&out)?;
+    let joined = if many { encode(&out) } else { None };
+    if json {
+        say(&serde_json::json!({ "pictures": told, "film": joined }).to_string())?;
+    } else if let Some(film) = joined {
+        say(&film.display().to_string())?;
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// What all pictures have in common.
+struct Series {
+    /// Points that a camera should have in its picture, m: of every frame as many as tell.
+    points: Vec<Point3<f64>>,
+    coloring: Option<(Coloring, ColorRange)>,
+}
+
+impl Series {
+    fn new(
+        shown: &Shown,
+        pictures: &[(usize, f64)],
+        color_by: Option<Coloring>,
+    ) -> Result<Self, SimError> {
+        let mut indices: Vec<_> = pictures.iter().map(|(index, _)| *index).collect();
+        indices.dedup();
+        let (mut all, mut range) = (Vec::new(), ColorRange::of([]));
+        for index in &indices {
+            let ShownFrame { frame, objects } = shown.frame(*index)?;
+            let points = points(&frame, &objects);
+            let every = if indices.len() > 1 { points.len().div_ceil(TELLING) } else { 1 };
+            all.extend(points.into_iter().step_by(every.max(1)));
+            if let Some(coloring) = color_by {
+                let of = ColorRange::of(coloring.values(&frame));
+                range = ColorRange::of([range.low, range.high, of.low, of.high]);
+            }
+        }
+        Ok(Self { points: all, coloring: color_by.map(|coloring| (coloring, range)) })
+    }
 }
 
 /// Indices of the frames to draw, each with the angle, degrees, by which the camera is turned.
@@ -93,47 +123,44 @@ fn pictures(options: &RenderOptions, shown: &Shown) -> Result<Vec<(usize, f64)>,
     }
 }
 
-/// What stands before the camera.
-struct Shot {
-    stage: StudioStage,
-}
-
-impl Shot {
-    fn new(shown: &Shown, index: usize, options: &StageOptions) -> Result<Self, StudioError> {
-        let ShownFrame { frame, objects } =
-            shown.frame(index).map_err(|error| io::Error::other(error.to_string()))?;
-        Ok(Self { stage: StudioStage::new(&frame, &objects, options)? })
-    }
-
-    fn camera(&self, options: &RenderOptions, turn: f64) -> Result<Camera, StudioError> {
-        let view = options.view.to_radians();
-        match options.camera {
-            CameraPlace::Around([azimuth, elevation]) => {
-                let aspect = f64::from(options.size[0]) / f64::from(options.size[1]);
-                let angles = [azimuth + turn, elevation].map(f64::to_radians);
-                self.stage.camera(angles, view, aspect)
-            }
-            CameraPlace::At(places) => {
-                let [from, to] = places.map(Point3::from);
-                let projection = Projection::Perspective { field_of_view: view };
-                let level = (to - from).xy().norm() > 1e-6 * (to - from).norm();
-                let up = if level { Vector3::z() } else { Vector3::y() };
-                Ok(Camera::new(from, &to, &up, projection)?)
-            }
+/// The camera, turned by an angle, degrees.
+fn camera(
+    options: &RenderOptions,
+    points: &[Point3<f64>],
+    turn: f64,
+) -> Result<Camera, StudioError> {
+    let view = options.view.to_radians();
+    match options.camera {
+        CameraPlace::Around([azimuth, elevation]) => {
+            let aspect = f64::from(options.size[0]) / f64::from(options.size[1]);
+            camera_around(points, [azimuth + turn, elevation].map(f64::to_radians), view, aspect)
+        }
+        CameraPlace::At(places) => {
+            let [from, to] = places.map(Point3::from);
+            let projection = Projection::Perspective { field_of_view: view };
+            let level = (to - from).xy().norm() > 1e-6 * (to - from).norm();
+            let up = if level { Vector3::z() } else { Vector3::y() };
+            Ok(Camera::new(from, &to, &up, projection)?)
         }
     }
 }
 
-fn stage_options(options: &RenderOptions, shown: &Shown) -> Result<StageOptions, Failure> {
+fn stage_options(
+    options: &RenderOptions,
+    shown: &Shown,
+    series: &Series,
+) -> Result<StageOptions, Failure> {
     let sky = options.sky.as_ref().map(|path| sky(path)).transpose()?;
     Ok(StageOptions {
         look: HairLook { pigments: options.hair, model: options.model, ..HairLook::default() },
-        coloring: None,
+        coloring: series.coloring,
         basis: if options.linear { CurveForm::Linear } else { CurveForm::Cubic },
         ratio: shown.ratio(),
+        thickness: options.thickness,
         exposure: options.shutter,
         ground: !options.no_ground,
         sky,
+        hull: hull(&series.points),
     })
 }
 
@@ -151,10 +178,9 @@ fn expose(
     file: &Path,
     json: bool,
 ) -> Result<Option<Film>, Failure> {
-    let of = |error: RenderError| Failure::File(format!("{}: {error}", file.display()));
-    let (seed, order) = (options.seed, options.order);
-    let tracer = PathTracer { scene: &stage.scene, camera, seed, order, search: LightSearch::Both };
-    let key = FilmKey { seed, hash: hash(options, camera) };
+    let of = |error: RenderError| failed(file, &error);
+    let tracer = tracer(options, stage, camera);
+    let key = FilmKey { seed: options.seed, hash: hash(options, camera) };
     let kept = file.with_extension("part");
     let mut film = Film::new(options.size).map_err(of)?;
     if options.resume {
@@ -186,13 +212,44 @@ fn expose(
     Ok(Some(film))
 }
 
+fn tracer<'a>(
+    options: &RenderOptions,
+    stage: &'a StudioStage,
+    camera: &'a Camera,
+) -> PathTracer<'a> {
+    let RenderOptions { seed, order, .. } = *options;
+    PathTracer { scene: &stage.scene, camera, seed, order, search: LightSearch::Both }
+}
+
+/// Which part of the light from fibres the order leaves out: by a small picture that is drawn with
+/// and without it, by paths that are the same as far as both go.
+fn left_out(
+    options: &RenderOptions,
+    stage: &StudioStage,
+    camera: &Camera,
+) -> Result<f64, RenderError> {
+    let [width, height] = options.size.map(f64::from);
+    let scale = (PROBE / width.max(height)).min(1.0);
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small")]
+    let size = [width, height].map(|side| (side * scale).ceil() as u32);
+    let of_fibers = |order: Option<u32>| {
+        let mut film = Film::new(size)?;
+        let tracer = PathTracer { order, ..tracer(options, stage, camera) };
+        tracer.expose(&mut film, PROBE_SAMPLES, &|| CANCEL.hear());
+        let fibers = film.pixels().iter().filter(|pixel| pixel.fiber() != FilmPixel::NO_FIBER);
+        Ok::<f64, RenderError>(fibers.map(|pixel| pixel.radiance().mean()).sum())
+    };
+    let (kept, all) = (of_fibers(options.order)?, of_fibers(None)?);
+    Ok(if all > 0.0 { 1.0 - kept / all } else { 0.0 })
+}
+
 /// A number of all that decides the samples of a picture, as far as the command line says it.
 fn hash(options: &RenderOptions, camera: &Camera) -> [u8; 32] {
     let RenderOptions { what, frame, size, order, hair, model, color_by, linear, .. } = options;
-    let RenderOptions { no_ground, sky, shutter, .. } = options;
+    let RenderOptions { no_ground, sky, shutter, thickness, .. } = options;
     let text = format!(
         "{what:?} {frame:?} {size:?} {order:?} {hair:?} {model:?} {color_by:?} {linear} {no_ground} \
-         {sky:?} {shutter} {camera:?}"
+         {sky:?} {shutter} {thickness} {camera:?}"
     );
     *blake3::hash(text.as_bytes()).as_bytes()
 }
@@ -220,7 +277,14 @@ fn write(
     Ok(())
 }
 
-fn tell(film: &Film, file: &Path, seconds: f64, json: bool) -> Result<(), Failure> {
+/// Says what a picture is like, and gives it as JSON.
+fn tell(
+    film: &Film,
+    file: &Path,
+    seconds: f64,
+    left_out: Option<f64>,
+    json: bool,
+) -> Result<serde_json::Value, Failure> {
     let count = film.pixels().len() as f64;
     let mean: Vector3<f64> =
         film.pixels().iter().map(|pixel| pixel.radiance()).sum::<Vector3<f64>>() / count;
@@ -228,21 +292,25 @@ fn tell(film: &Film, file: &Path, seconds: f64, json: bool) -> Result<(), Failur
     if film.rejected() > 0 {
         complain(&format!("warning: {} samples were no numbers, and left out", film.rejected()));
     }
+    let object = serde_json::json!({
+        "file": file, "wall_seconds": seconds, "mean_radiance": mean.as_slice(),
+        "standard_error": error, "rejected": film.rejected(), "left_out_by_order": left_out,
+    });
     if json {
-        return say(&serde_json::json!({
-            "file": file, "wall_seconds": seconds, "mean_radiance": mean.as_slice(),
-            "standard_error": error, "rejected": film.rejected(),
-        })
-        .to_string());
+        return Ok(object);
     }
     let noise = film.standard_error().map_or(String::new(), |error| {
         format!(", noise of a pixel {:.1} % of the mean", 100.0 * error / mean.mean())
     });
-    say(&format!("{}  {seconds:.1} s{noise}", file.display()))
+    let order = left_out.map_or(String::new(), |part| {
+        format!(", the order leaves out some {:.0} % of the light from fibres", 100.0 * part)
+    });
+    say(&format!("{}  {seconds:.1} s{noise}{order}", file.display()))?;
+    Ok(object)
 }
 
-/// Joins numbered pictures to a film, where there is an encoder.
-fn encode(folder: &Path) -> Result<(), Failure> {
+/// Joins numbered pictures to a film, where there is an encoder; its file.
+fn encode(folder: &Path) -> Option<PathBuf> {
     let film = folder.join("film.mp4");
     let rate = FILM_RATE.to_string();
     let status = Command::new("ffmpeg")
@@ -253,16 +321,11 @@ fn encode(folder: &Path) -> Result<(), Failure> {
         .stdin(Stdio::null())
         .status();
     match status {
-        Ok(status) if status.success() => say(&format!("{}", film.display())),
-        Ok(_) => {
-            complain("warning: ffmpeg made no film of the pictures");
-            Ok(())
-        }
-        Err(_) => {
-            complain("there is no ffmpeg here: the numbered pictures are the film");
-            Ok(())
-        }
+        Ok(status) if status.success() => return Some(film),
+        Ok(_) => complain("warning: ffmpeg made no film of the pictures"),
+        Err(_) => complain("there is no ffmpeg here: the numbered pictures are the film"),
     }
+    None
 }
 
 /// The picture beside which nothing is, or the folder.
@@ -279,6 +342,10 @@ fn progress_bar(samples: u32) -> ProgressBar {
 
 fn unusable(path: &Path, error: &io::Error) -> Failure {
     Failure::File(format!("cannot use {}: {error}", path.display()))
+}
+
+fn failed(path: &Path, error: &RenderError) -> Failure {
+    Failure::File(format!("{}: {error}", path.display()))
 }
 
 fn of_studio(path: &Path) -> impl Fn(StudioError) -> Failure {

@@ -1,7 +1,7 @@
 use crate::{ColorRange, Coloring, HairLook, StudioError};
 use nalgebra::{Point3, Vector3};
 use rapunzel_export::surface::{self, Placed};
-use rapunzel_export::{Frame, Strand};
+use rapunzel_export::{ExportError, Frame, Strand};
 use rapunzel_render::{
     Camera, CurveForm, Curves, FiberCurve, FiberLook, Hairs, Light, Lights, RenderError,
     RenderScene, Sky, TriangleMesh,
@@ -27,12 +27,17 @@ pub struct StageOptions {
     pub basis: CurveForm,
     /// Ratio of the second semi-axis of the sections to the first; none if they are round.
     pub ratio: Option<f64>,
+    /// How many times as thick fibres are drawn, where each stands for many.
+    pub thickness: f64,
     /// Time of exposure, s, about the time of the frame.
     pub exposure: f64,
     /// Whether all stands on a ground.
     pub ground: bool,
     /// The light; that of a studio if there is none.
     pub sky: Option<Sky>,
+    /// Two corners of the box (world), m, on whose bottom the ground is and by whose size lamps are
+    /// set up; that of the frame if there is none. The pictures of a film have one.
+    pub hull: Option<[Point3<f64>; 2]>,
 }
 
 impl Default for StageOptions {
@@ -42,9 +47,11 @@ impl Default for StageOptions {
             coloring: None,
             basis: CurveForm::Cubic,
             ratio: None,
+            thickness: 1.0,
             exposure: 0.0,
             ground: true,
             sky: None,
+            hull: None,
         }
     }
 }
@@ -53,8 +60,6 @@ impl Default for StageOptions {
 pub struct StudioStage {
     /// All that can be seen.
     pub scene: RenderScene,
-    /// Points that a camera should have in its picture (world), m.
-    pub points: Vec<Point3<f64>>,
 }
 
 impl StudioStage {
@@ -69,23 +74,21 @@ impl StudioStage {
         options: &StageOptions,
     ) -> Result<Self, StudioError> {
         frame.validate()?;
-        let StageOptions { exposure, .. } = *options;
-        if !(exposure >= 0.0 && exposure.is_finite()) {
-            let (what, must) = ("the time of exposure (s)", "finite and not negative");
-            return Err(RenderError::Parameter { what, value: exposure, must }.into());
+        let StageOptions { exposure, thickness, .. } = *options;
+        for (what, value) in
+            [("the time of exposure (s)", exposure), ("the thickness of fibres", thickness)]
+        {
+            if !(value >= 0.0 && value.is_finite()) {
+                let must = "finite and not negative";
+                return Err(RenderError::Parameter { what, value, must }.into());
+            }
         }
         objects.iter().try_for_each(|object| surface::check(&object.surface))?;
-        let mut points: Vec<_> =
-            frame.strands.iter().flat_map(|strand| strand.points.iter().copied()).collect();
-        points.extend(objects.iter().flat_map(|object| &object.surface.vertices));
-        let Some(first) = points.first() else {
-            return Err(rapunzel_export::ExportError::Empty.into());
-        };
-        let [low, high] = points.iter().fold([*first; 2], |[a, b], p| [a.inf(p), b.sup(p)]);
+        let hull = options.hull.or_else(|| hull(&points(frame, objects)));
+        let Some([low, high]) = hull else { return Err(ExportError::Empty.into()) };
         let extent = (high - low).norm().max(1e-6);
 
-        let fibers: Vec<_> =
-            frame.strands.iter().map(|strand| fiber(strand, options.exposure)).collect();
+        let fibers: Vec<_> = frame.strands.iter().map(|strand| fiber(strand, options)).collect();
         let curves = Curves::new(options.basis, options.ratio, &fibers)?;
         let look = match &options.coloring {
             None => options.look.fiber_look(options.ratio)?,
@@ -111,30 +114,45 @@ impl StudioStage {
             None => studio_lights(&low, &high)?,
         };
         let scene = RenderScene::new(vec![Hairs { curves, look }], bodies, lights)?;
-        Ok(Self { scene, points })
-    }
-
-    /// A camera that has all in its picture, `azimuth` to the right of the front (the side of
-    /// negative y) and `elevation` above the level, rad; `field_of_view`, rad, is that of the
-    /// width, and `aspect` the ratio of width to height.
-    ///
-    /// # Errors
-    /// [`StudioError::Render`] if an angle is out of range, or all is one point.
-    pub fn camera(
-        &self,
-        [azimuth, elevation]: [f64; 2],
-        field_of_view: f64,
-        aspect: f64,
-    ) -> Result<Camera, StudioError> {
-        let ((sin, cos), (rise, level)) = (azimuth.sin_cos(), elevation.sin_cos());
-        let sight = Vector3::new(-sin * level, cos * level, -rise);
-        // From straight above, the front is below.
-        let up = if level.abs() < 1e-6 { Vector3::new(-sin, cos, 0.0) } else { Vector3::z() };
-        Ok(Camera::framing(&self.points, &sight, &up, field_of_view, aspect)?)
+        Ok(Self { scene })
     }
 }
 
-fn fiber(strand: &Strand, exposure: f64) -> FiberCurve {
+/// Points of fibres and objects (world), m.
+#[must_use]
+pub fn points(frame: &Frame, objects: &[Placed]) -> Vec<Point3<f64>> {
+    let fibers = frame.strands.iter().flat_map(|strand| &strand.points);
+    fibers.chain(objects.iter().flat_map(|object| &object.surface.vertices)).copied().collect()
+}
+
+/// Two corners of the box of some points; none if there are none.
+#[must_use]
+pub fn hull(points: &[Point3<f64>]) -> Option<[Point3<f64>; 2]> {
+    let first = *points.first()?;
+    Some(points.iter().fold([first; 2], |[low, high], p| [low.inf(p), high.sup(p)]))
+}
+
+/// A camera that has some points in its picture, `azimuth` to the right of the front (the side of
+/// negative y) and `elevation` above the level, rad; `field_of_view`, rad, is that of the width, and
+/// `aspect` the ratio of width to height.
+///
+/// # Errors
+/// [`StudioError::Render`] if an angle is out of range, or all is one point.
+pub fn camera_around(
+    points: &[Point3<f64>],
+    [azimuth, elevation]: [f64; 2],
+    field_of_view: f64,
+    aspect: f64,
+) -> Result<Camera, StudioError> {
+    let ((sin, cos), (rise, level)) = (azimuth.sin_cos(), elevation.sin_cos());
+    let sight = Vector3::new(-sin * level, cos * level, -rise);
+    // From straight above, the front is below.
+    let up = if level.abs() < 1e-6 { Vector3::new(-sin, cos, 0.0) } else { Vector3::z() };
+    Ok(Camera::framing(points, &sight, &up, field_of_view, aspect)?)
+}
+
+fn fiber(strand: &Strand, options: &StageOptions) -> FiberCurve {
+    let StageOptions { exposure, thickness, .. } = *options;
     let mut nodes = strand.points.clone();
     let mut ways = Vec::new();
     if exposure > 0.0 {
@@ -145,7 +163,8 @@ fn fiber(strand: &Strand, exposure: f64) -> FiberCurve {
     let last = strand.frames.len() - 1;
     let axis = |k: usize| strand.frames[k.min(last)].matrix().column(0).into_owned();
     let axes = (0..strand.points.len()).map(axis).collect();
-    FiberCurve { nodes, radii: strand.radii.clone(), axes, ways }
+    let radii = strand.radii.iter().map(|radius| radius * thickness).collect();
+    FiberCurve { nodes, radii, axes, ways }
 }
 
 /// A square.

@@ -56,10 +56,11 @@ fn a_run_is_a_film() {
         assert!(folder.path().join(format!("film/picture-{number:04}.png")).is_file(), "{number}");
     }
     let told = String::from_utf8_lossy(&film.stdout).into_owned();
-    let first = told.lines().next().expect("a line");
-    let told: serde_json::Value = serde_json::from_str(first).expect("JSON");
-    assert!(told["mean_radiance"][0].as_f64().is_some_and(|mean| mean > 0.0), "{told}");
-    assert_eq!(told["rejected"], 0);
+    let told: serde_json::Value = serde_json::from_str(&told).expect("JSON");
+    let pictures = told["pictures"].as_array().expect("a list");
+    assert_eq!(pictures.len(), 3);
+    assert!(pictures[0]["mean_radiance"][0].as_f64().is_some_and(|mean| mean > 0.0), "{told}");
+    assert_eq!(pictures[0]["rejected"], 0);
 }
 
 #[test]
