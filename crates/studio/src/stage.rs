@@ -133,8 +133,8 @@ pub fn hull(points: &[Point3<f64>]) -> Option<[Point3<f64>; 2]> {
 }
 
 /// A camera that has some points in its picture, `azimuth` to the right of the front (the side of
-/// negative y) and `elevation` above the level, rad; `field_of_view`, rad, is that of the width, and
-/// `aspect` the ratio of width to height.
+/// negative y) and `elevation` above the level, rad; `field_of_view`, rad, is that of the width,
+/// and `aspect` the ratio of width to height.
 ///
 /// # Errors
 /// [`StudioError::Render`] if an angle is out of range, or all is one point.
