@@ -5,8 +5,8 @@ use crate::words::{build_stage, complain, growth_stage, say, spinner};
 use indicatif::{ProgressBar, ProgressStyle};
 use nalgebra::{Point3, Vector3};
 use rapunzel_render::{
-    Camera, CurveForm, Film, FilmKey, FilmPixel, LightSearch, PathTracer, Projection, RenderError,
-    Sky, Tone, read_exr_map, write_exr, write_png,
+    Camera, CurveForm, Film, FilmKey, LightSearch, PathTracer, Projection, RenderError, Sky, Tone,
+    read_exr_map, write_exr, write_png,
 };
 use rapunzel_sim::{Shown, ShownFrame, ShownStage, SimError, write_atomically};
 use rapunzel_studio::{
@@ -62,7 +62,6 @@ pub(crate) fn render(options: &RenderOptions, json: bool) -> Result<ExitCode, Fa
         };
         write(options, &film, stage_options.coloring.as_ref(), &file)?;
         let left_out = options.order.map(|_| left_out(options, &stage, &camera));
-        let left_out = left_out.transpose().map_err(|error| failed(&file, &error))?;
         told.push(tell(&film, &file, start.elapsed().as_secs_f64(), left_out, json)?);
     }
     let joined = if many { encode(&out) } else { None };
@@ -221,26 +220,13 @@ fn tracer<'a>(
     PathTracer { scene: &stage.scene, camera, seed, order, search: LightSearch::Both }
 }
 
-/// Which part of the light from fibres the order leaves out: by a small picture that is drawn with
-/// and without it, by paths that are the same as far as both go.
-fn left_out(
-    options: &RenderOptions,
-    stage: &StudioStage,
-    camera: &Camera,
-) -> Result<f64, RenderError> {
+/// Which part of the light from fibres the order leaves out, by a small picture.
+fn left_out(options: &RenderOptions, stage: &StudioStage, camera: &Camera) -> f64 {
     let [width, height] = options.size.map(f64::from);
     let scale = (PROBE / width.max(height)).min(1.0);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small")]
     let size = [width, height].map(|side| (side * scale).ceil() as u32);
-    let of_fibers = |order: Option<u32>| {
-        let mut film = Film::new(size)?;
-        let tracer = PathTracer { order, ..tracer(options, stage, camera) };
-        tracer.expose(&mut film, PROBE_SAMPLES, &|| CANCEL.hear());
-        let fibers = film.pixels().iter().filter(|pixel| pixel.fiber() != FilmPixel::NO_FIBER);
-        Ok::<f64, RenderError>(fibers.map(|pixel| pixel.radiance().mean()).sum())
-    };
-    let (kept, all) = (of_fibers(options.order)?, of_fibers(None)?);
-    Ok(if all > 0.0 { 1.0 - kept / all } else { 0.0 })
+    tracer(options, stage, camera).left_out(size, PROBE_SAMPLES)
 }
 
 /// A number of all that decides the samples of a picture, as far as the command line says it.

@@ -181,6 +181,18 @@ fn the_energy_of_a_closed_ball_is_balanced() {
     assert!((mean / exact - 1.0).abs() < 5.0 * error / exact + coarse, "{mean} {exact} {error}");
 }
 
+/// What an order leaves out is what pictures with it and without it differ by.
+#[test]
+fn what_an_order_leaves_out_is_told() {
+    let (scene, camera) = (&scenes()[1], camera());
+    let of = |order| tracer(scene, &camera, order).left_out([16, 16], 64);
+    assert_eq!(of(None), 0.0);
+    let orders = [0, 1, 4, 16].map(|order| of(Some(order)));
+    // A path adds light with every event, and both go the same way.
+    assert!(orders.windows(2).all(|pair| pair[1] < pair[0]), "{orders:?}");
+    assert!(orders[0] > 0.1 && orders[3] < 0.05, "{orders:?}");
+}
+
 /// A matte tube in light from the camera: radiance is the cosine, whose mean over the width is a
 /// quarter of pi.
 #[test]
