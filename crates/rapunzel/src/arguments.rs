@@ -35,6 +35,7 @@ const AFTER_HELP: &str = "\
 Begin with:
   rapunzel new lock-under-gravity
   rapunzel run lock-under-gravity.ron
+  rapunzel render runs/lock-under-gravity
 or, for a rod at rest:
   rapunzel new static/hose-between-flanges
   rapunzel solve hose-between-flanges.ron

@@ -5,13 +5,13 @@ use crate::words::{build_stage, complain, growth_stage, say, spinner};
 use indicatif::{ProgressBar, ProgressStyle};
 use nalgebra::{Point3, Vector3};
 use rapunzel_render::{
-    Camera, CurveForm, Film, FilmKey, LightSearch, PathTracer, Projection, RenderError, Sky, Tone,
-    read_exr_map, write_exr, write_png,
+    Camera, CurveForm, Film, FilmKey, LightSearch, PathTracer, Projection, RenderError,
+    RenderScene, Sky, Tone, read_exr_map, write_exr, write_png,
 };
 use rapunzel_sim::{Shown, ShownFrame, ShownStage, SimError, write_atomically};
 use rapunzel_studio::{
-    ColorRange, Coloring, HairLook, StageOptions, StudioError, StudioStage, camera_around, hull,
-    points, write_with_legend,
+    ColorRange, Coloring, HairLook, StageOptions, StudioError, camera_around, hull, points, staged,
+    write_with_legend,
 };
 use std::fs::{self, File};
 use std::io::{self, BufReader};
@@ -54,14 +54,14 @@ pub(crate) fn render(options: &RenderOptions, json: bool) -> Result<ExitCode, Fa
     let mut told = Vec::new();
     for (number, (index, turn)) in pictures.iter().enumerate() {
         let ShownFrame { frame, objects } = shown.frame(*index).map_err(Failure::of(path))?;
-        let stage = StudioStage::new(&frame, &objects, &stage_options).map_err(of_studio(path))?;
+        let scene = staged(&frame, &objects, &stage_options).map_err(of_studio(path))?;
         let camera = camera(options, &series.points, *turn).map_err(of_studio(path))?;
         let file = if many { out.join(format!("picture-{number:04}.png")) } else { out.clone() };
-        let Some(film) = expose(options, &stage, &camera, &file, json)? else {
+        let Some(film) = expose(options, &scene, &camera, &file, json)? else {
             return Ok(ExitCode::from(INTERRUPTED));
         };
         write(options, &film, stage_options.coloring.as_ref(), &file)?;
-        let left_out = options.order.map(|_| left_out(options, &stage, &camera));
+        let left_out = options.order.map(|_| left_out(options, &scene, &camera));
         told.push(tell(&film, &file, start.elapsed().as_secs_f64(), left_out, json)?);
     }
     let joined = if many { encode(&out) } else { None };
@@ -153,7 +153,7 @@ fn stage_options(
     Ok(StageOptions {
         look: HairLook { pigments: options.hair, model: options.model, ..HairLook::default() },
         coloring: series.coloring,
-        basis: if options.linear { CurveForm::Linear } else { CurveForm::Cubic },
+        form: if options.linear { CurveForm::Linear } else { CurveForm::Cubic },
         ratio: shown.ratio(),
         thickness: options.thickness,
         exposure: options.shutter,
@@ -172,13 +172,13 @@ fn sky(path: &Path) -> Result<Sky, Failure> {
 /// Fills a film; none if it was interrupted, and then what there is of it lies beside the picture.
 fn expose(
     options: &RenderOptions,
-    stage: &StudioStage,
+    scene: &RenderScene,
     camera: &Camera,
     file: &Path,
     json: bool,
 ) -> Result<Option<Film>, Failure> {
     let of = |error: RenderError| failed(file, &error);
-    let tracer = tracer(options, stage, camera);
+    let tracer = tracer(options, scene, camera);
     let key = FilmKey { seed: options.seed, hash: hash(options, camera) };
     let kept = file.with_extension("part");
     let mut film = Film::new(options.size).map_err(of)?;
@@ -213,20 +213,20 @@ fn expose(
 
 fn tracer<'a>(
     options: &RenderOptions,
-    stage: &'a StudioStage,
+    scene: &'a RenderScene,
     camera: &'a Camera,
 ) -> PathTracer<'a> {
     let RenderOptions { seed, order, .. } = *options;
-    PathTracer { scene: &stage.scene, camera, seed, order, search: LightSearch::Both }
+    PathTracer { scene, camera, seed, order, search: LightSearch::Both }
 }
 
 /// Which part of the light from fibres the order leaves out, by a small picture.
-fn left_out(options: &RenderOptions, stage: &StudioStage, camera: &Camera) -> f64 {
+fn left_out(options: &RenderOptions, scene: &RenderScene, camera: &Camera) -> f64 {
     let [width, height] = options.size.map(f64::from);
     let scale = (PROBE / width.max(height)).min(1.0);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small")]
     let size = [width, height].map(|side| (side * scale).ceil() as u32);
-    tracer(options, stage, camera).left_out(size, PROBE_SAMPLES)
+    tracer(options, scene, camera).left_out(size, PROBE_SAMPLES)
 }
 
 /// A number of all that decides the samples of a picture, as far as the command line says it.
@@ -285,7 +285,8 @@ fn tell(
     if json {
         return Ok(object);
     }
-    let noise = film.standard_error().map_or(String::new(), |error| {
+    let noise = film.standard_error().filter(|_| mean.mean() > 0.0);
+    let noise = noise.map_or(String::new(), |error| {
         format!(", noise of a pixel {:.1} % of the mean", 100.0 * error / mean.mean())
     });
     let order = left_out.map_or(String::new(), |part| {
@@ -314,7 +315,7 @@ fn encode(folder: &Path) -> Option<PathBuf> {
     None
 }
 
-/// The picture beside which nothing is, or the folder.
+/// The picture in the folder where the program runs, or the folder of pictures there.
 fn default_out(what: &Path, many: bool) -> PathBuf {
     let stem = what.file_stem().unwrap_or_default().to_string_lossy();
     PathBuf::from(if many { format!("{stem}-film") } else { format!("{stem}.png") })

@@ -36,7 +36,8 @@ impl LightSearch {
 
 /// What a path finds that begins with a ray from a camera.
 ///
-/// An event is a scattering; a path has at most `events` of them, or as many as chance lets it.
+/// An event is a scattering; a path has at most `events` of them, one at least, or as many as
+/// chance lets it.
 pub(crate) fn trace(
     scene: &RenderScene,
     ray: Ray,
@@ -64,14 +65,11 @@ pub(crate) fn trace(
             radiance += throughput.component_mul(&light) * share;
         }
         let (Some(hit), false) = (hit, is_light) else { break };
-        if events.is_some_and(|most| event >= most) && surface.is_some() {
+        if events.is_some_and(|most| event >= most) {
             break;
         }
         let vertex = scene.vertex(&ray, &hit);
         surface.get_or_insert_with(|| first_surface(&vertex, distance));
-        if events == Some(0) {
-            break;
-        }
         radiance += throughput.component_mul(&direct(scene, &vertex, ray.time, search, random));
         let Some(Onward { direction, weight, pdf }) = vertex.scatterer.sample(random) else {
             break;

@@ -67,6 +67,16 @@ const STAGED: &str = ".rapunzel-staged";
 /// Where it is once it is taking that place: a kill cannot undo this, the next run goes on with it.
 const READY: &str = ".rapunzel-ready";
 
+/// The name of a frame's file as seen from the folder of the run.
+pub(crate) fn frame_name(index: usize, extension: &str) -> String {
+    format!("{FRAMES}/frame-{index:06}.{extension}")
+}
+
+/// The name of a file of objects as seen from the folder of the run.
+pub(crate) fn objects_name(index: usize, extension: &str) -> String {
+    format!("{FRAMES}/objects-{index:06}.{extension}")
+}
+
 impl RunFolder {
     /// Takes hold of a folder, which is made if it is not there.
     ///

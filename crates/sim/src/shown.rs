@@ -1,7 +1,7 @@
 //! What can be drawn: the frames of a run, the start of a scene, a style, strands of a file.
 
 use crate::file::{LARGEST_MESH, kind, open};
-use crate::folder::{FRAMES, SCENE};
+use crate::folder::{SCENE, frame_name, objects_name};
 use crate::scene::Scene;
 use crate::style::{self, GrowthStage};
 use crate::{BuildStage, SimError, World, read_text};
@@ -96,7 +96,8 @@ impl Shown {
     }
 
     fn folder(path: &Path) -> Result<Self, SimError> {
-        let count = (0..).take_while(|index| path.join(frame_name(*index)).is_file()).count();
+        let count =
+            (0..).take_while(|index| path.join(frame_name(*index, "vtp")).is_file()).count();
         if count > 0 {
             // The scene is there for the sections only: without it they are round.
             let scene = read_text(&path.join(SCENE)).ok();
@@ -148,9 +149,9 @@ impl Shown {
             ShownSource::Run(folder) => folder,
         };
         let index = index.min(self.count - 1);
-        let frame = read_frame(&folder.join(frame_name(index)))?;
+        let frame = read_frame(&folder.join(frame_name(index, "vtp")))?;
         // Where no object moves there is one file for all frames.
-        let file = [index, 0].map(|index| folder.join(objects_name(index)));
+        let file = [index, 0].map(|index| folder.join(objects_name(index, "vtp")));
         let file = file.iter().find(|file| file.is_file());
         let objects = file.map_or_else(|| Ok(Vec::new()), |file| read_objects(file))?;
         Ok(ShownFrame { frame, objects })
@@ -192,12 +193,4 @@ fn read_strands(path: &Path) -> Result<Frame, SimError> {
         strand
     };
     Ok(Frame { index: 0, time: 0.0, strands: (0..set.len()).map(strand).collect() })
-}
-
-fn frame_name(index: usize) -> String {
-    format!("{FRAMES}/frame-{index:06}.vtp")
-}
-
-fn objects_name(index: usize) -> String {
-    format!("{FRAMES}/objects-{index:06}.vtp")
 }

@@ -13,4 +13,4 @@ pub use coloring::{ColorRange, Coloring};
 pub use error::StudioError;
 pub use legend::write_with_legend;
 pub use look::{HairLook, HairModel, pigments};
-pub use stage::{StageOptions, StudioStage, camera_around, hull, points};
+pub use stage::{StageOptions, camera_around, hull, points, staged};

@@ -24,7 +24,7 @@ pub struct StageOptions {
     /// A quantity that fibres show instead, and the range of its colors.
     pub coloring: Option<(Coloring, ColorRange)>,
     /// How fibres run through their nodes.
-    pub basis: CurveForm,
+    pub form: CurveForm,
     /// Ratio of the second semi-axis of the sections to the first; none if they are round.
     pub ratio: Option<f64>,
     /// How many times as thick fibres are drawn, where each stands for many.
@@ -45,7 +45,7 @@ impl Default for StageOptions {
         Self {
             look: HairLook::default(),
             coloring: None,
-            basis: CurveForm::Cubic,
+            form: CurveForm::Cubic,
             ratio: None,
             thickness: 1.0,
             exposure: 0.0,
@@ -56,66 +56,57 @@ impl Default for StageOptions {
     }
 }
 
-/// A frame, set up for a picture: z is up.
-pub struct StudioStage {
-    /// All that can be seen.
-    pub scene: RenderScene,
-}
-
-impl StudioStage {
-    /// Sets up the fibres and the objects of a frame.
-    ///
-    /// # Errors
-    /// [`StudioError::Frame`] for frames and surfaces that are not sound or show nothing,
-    /// [`StudioError::Look`] and [`StudioError::Render`] for options that are out of range.
-    pub fn new(
-        frame: &Frame,
-        objects: &[Placed],
-        options: &StageOptions,
-    ) -> Result<Self, StudioError> {
-        frame.validate()?;
-        let StageOptions { exposure, thickness, .. } = *options;
-        for (what, value) in
-            [("the time of exposure (s)", exposure), ("the thickness of fibres", thickness)]
-        {
-            if !(value >= 0.0 && value.is_finite()) {
-                let must = "finite and not negative";
-                return Err(RenderError::Parameter { what, value, must }.into());
-            }
+/// The fibres and the objects of a frame, set up for a picture; z is up.
+///
+/// # Errors
+/// [`StudioError::Frame`] for frames and surfaces that are not sound or show nothing,
+/// [`StudioError::Look`] and [`StudioError::Render`] for options that are out of range.
+pub fn staged(
+    frame: &Frame,
+    objects: &[Placed],
+    options: &StageOptions,
+) -> Result<RenderScene, StudioError> {
+    frame.validate()?;
+    let StageOptions { exposure, thickness, .. } = *options;
+    for (what, value) in
+        [("the time of exposure (s)", exposure), ("the thickness of fibres", thickness)]
+    {
+        if !(value >= 0.0 && value.is_finite()) {
+            let must = "finite and not negative";
+            return Err(RenderError::Parameter { what, value, must }.into());
         }
-        objects.iter().try_for_each(|object| surface::check(&object.surface))?;
-        let hull = options.hull.or_else(|| hull(&points(frame, objects)));
-        let Some([low, high]) = hull else { return Err(ExportError::Empty.into()) };
-        let extent = (high - low).norm().max(1e-6);
-
-        let fibers: Vec<_> = frame.strands.iter().map(|strand| fiber(strand, options)).collect();
-        let curves = Curves::new(options.basis, options.ratio, &fibers)?;
-        let look = match &options.coloring {
-            None => options.look.fiber_look(options.ratio)?,
-            Some((coloring, range)) => {
-                let color = |value: f64| coloring.color(value, range).cast::<f32>();
-                FiberLook::Colored(coloring.values(frame).into_iter().map(color).collect())
-            }
-        };
-        let mesh = |object: &Placed| {
-            let surface = &object.surface;
-            let (vertices, triangles) = (surface.vertices.clone(), surface.triangles.clone());
-            Ok((TriangleMesh::new(vertices, triangles, OBJECT_CREASE)?, Vector3::from(CLAY)))
-        };
-        let mut bodies = objects.iter().map(mesh).collect::<Result<Vec<_>, StudioError>>()?;
-        if options.ground {
-            let middle = nalgebra::center(&low, &high);
-            // A little below, so that what lies at the bottom lies on it.
-            let z = low.z - 1e-3 * extent;
-            bodies.push((ground(&middle, z, WIDE * extent)?, Vector3::from(GROUND)));
-        }
-        let lights = match &options.sky {
-            Some(sky) => Lights::new(&[], Some(sky.clone()))?,
-            None => studio_lights(&low, &high)?,
-        };
-        let scene = RenderScene::new(vec![Hairs { curves, look }], bodies, lights)?;
-        Ok(Self { scene })
     }
+    objects.iter().try_for_each(|object| surface::check(&object.surface))?;
+    let hull = options.hull.or_else(|| hull(&points(frame, objects)));
+    let Some([low, high]) = hull else { return Err(ExportError::Empty.into()) };
+    let extent = (high - low).norm().max(1e-6);
+
+    let fibers: Vec<_> = frame.strands.iter().map(|strand| fiber(strand, options)).collect();
+    let curves = Curves::new(options.form, options.ratio, &fibers)?;
+    let look = match &options.coloring {
+        None => options.look.fiber_look(options.ratio)?,
+        Some((coloring, range)) => {
+            let color = |value: f64| coloring.color(value, range).cast::<f32>();
+            FiberLook::Colored(coloring.values(frame).into_iter().map(color).collect())
+        }
+    };
+    let mesh = |object: &Placed| {
+        let surface = &object.surface;
+        let (vertices, triangles) = (surface.vertices.clone(), surface.triangles.clone());
+        Ok((TriangleMesh::new(vertices, triangles, OBJECT_CREASE)?, Vector3::from(CLAY)))
+    };
+    let mut bodies = objects.iter().map(mesh).collect::<Result<Vec<_>, StudioError>>()?;
+    if options.ground {
+        let middle = nalgebra::center(&low, &high);
+        // A little below, so that what lies at the bottom lies on it.
+        let z = low.z - 1e-3 * extent;
+        bodies.push((ground(&middle, z, WIDE * extent)?, Vector3::from(GROUND)));
+    }
+    let lights = match &options.sky {
+        Some(sky) => Lights::new(&[], Some(sky.clone()))?,
+        None => studio_lights(&low, &high)?,
+    };
+    Ok(RenderScene::new(vec![Hairs { curves, look }], bodies, lights)?)
 }
 
 /// Points of fibres and objects (world), m.

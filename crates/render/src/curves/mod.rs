@@ -45,7 +45,7 @@ impl Curves {
     /// what is not finite or not positive; [`RenderError::Parameter`] refuses a ratio, and more
     /// nodes than 2^27.
     pub fn new(
-        kind: CurveForm,
+        form: CurveForm,
         ratio: Option<f64>,
         fibers: &[FiberCurve],
     ) -> Result<Self, RenderError> {
@@ -56,7 +56,7 @@ impl Curves {
         let aspect = ratio.map(|ratio| [ratio.sqrt().recip(), ratio.sqrt()]);
         let moves = fibers.iter().any(|fiber| !fiber.ways.is_empty());
         let nodes = fibers.iter().map(|fiber| fiber.nodes.len()).sum();
-        let mut store = CurveStore::new(kind, aspect, [fibers.len(), nodes]);
+        let mut store = CurveStore::new(form, aspect, [fibers.len(), nodes]);
         for (index, fiber) in fibers.iter().enumerate() {
             fiber.check(index, aspect.is_some())?;
             store.add(fiber, moves);

@@ -17,8 +17,8 @@ pub(super) struct CurvePiece {
 
 impl CurvePiece {
     /// Control points of a piece.
-    pub(super) fn points(kind: CurveForm) -> usize {
-        match kind {
+    pub(super) fn points(form: CurveForm) -> usize {
+        match form {
             CurveForm::Cubic => 4,
             CurveForm::Linear => 2,
         }
@@ -26,9 +26,9 @@ impl CurvePiece {
 
     /// A piece by its control points: the first of these, as many as [`Self::points`].
     #[inline(always)]
-    pub(super) fn new(kind: CurveForm, control: &[Vector3<f64>; 4]) -> Self {
+    pub(super) fn new(form: CurveForm, control: &[Vector3<f64>; 4]) -> Self {
         let [a, b, c, d] = control;
-        match kind {
+        match form {
             CurveForm::Cubic => {
                 // The uniform B-spline by powers.
                 let c0 = (a + 4.0 * b + c) / 6.0;

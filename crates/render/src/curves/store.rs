@@ -19,7 +19,7 @@ struct CurveControl {
 /// Curves with their sections, fibre after fibre.
 #[derive(Debug, Clone)]
 pub(super) struct CurveStore {
-    kind: CurveForm,
+    form: CurveForm,
     /// Semi-axes of the section over the radius; none if it is round.
     aspect: Option<[f64; 2]>,
     /// First control point of each fibre, and the number of all.
@@ -33,15 +33,15 @@ pub(super) struct CurveStore {
 
 impl CurveStore {
     /// No curve yet, but room for some fibres with so many nodes in all.
-    pub(super) fn new(kind: CurveForm, aspect: Option<[f64; 2]>, room: [usize; 2]) -> Self {
+    pub(super) fn new(form: CurveForm, aspect: Option<[f64; 2]>, room: [usize; 2]) -> Self {
         let [fibers, nodes] = room;
         let (starts, control) = (vec![0], Vec::with_capacity(nodes + 2 * fibers));
-        Self { kind, aspect, starts, control, axes: Vec::new(), ways: Vec::new() }
+        Self { form, aspect, starts, control, axes: Vec::new(), ways: Vec::new() }
     }
 
     /// Adds a fibre that was checked; `moves` if any of all moves.
     pub(super) fn add(&mut self, fiber: &FiberCurve, moves: bool) {
-        let control = |nodes: &[Point3<f64>]| match self.kind {
+        let control = |nodes: &[Point3<f64>]| match self.form {
             CurveForm::Cubic => control_points(nodes),
             CurveForm::Linear => nodes.to_vec(),
         };
@@ -86,12 +86,12 @@ impl CurveStore {
 
     /// Control points of a fibre before its first node, and behind its last.
     fn before(&self) -> usize {
-        usize::from(self.kind == CurveForm::Cubic)
+        usize::from(self.form == CurveForm::Cubic)
     }
 
     /// The first pieces and the ends of the pieces of all fibres.
     pub(super) fn pieces(&self) -> impl Iterator<Item = [u32; 2]> {
-        let behind = short(CurvePiece::points(self.kind)) - 1;
+        let behind = short(CurvePiece::points(self.form)) - 1;
         self.starts.windows(2).map(move |ends| [ends[0], ends[1] - behind])
     }
 
@@ -118,7 +118,7 @@ impl CurveStore {
     /// The piece that begins at a control point, at a time of the exposure, from `origin`.
     #[inline(always)]
     pub(super) fn tube(&self, piece: usize, time: f64, origin: &Point3<f64>) -> Tube {
-        let count = CurvePiece::points(self.kind);
+        let count = CurvePiece::points(self.form);
         let control = &self.control[piece..piece + count];
         let mut from = [Vector3::zeros(); 4];
         for (k, from) in from[..count].iter_mut().enumerate() {
@@ -129,7 +129,7 @@ impl CurveStore {
                 *from += time * self.ways[piece + k].cast();
             }
         }
-        let curve = CurvePiece::new(self.kind, &from);
+        let curve = CurvePiece::new(self.form, &from);
         let before = self.before();
         let node = piece + before;
         let radii = [control[before].radius, control[before + 1].radius];

@@ -27,8 +27,8 @@ fn optics(absorption: f64) -> FiberOptics {
     FiberOptics::hair(sigma, 0.3, 0.3, 0.05).expect("in range")
 }
 
-/// A ball of triangles.
-fn ball(center: Point3<f64>, radius: f64, fine: u32) -> TriangleMesh {
+/// A ball of triangles, smooth where it bends by less than a crease.
+fn ball(center: Point3<f64>, radius: f64, fine: u32, crease: f64) -> TriangleMesh {
     let (rows, columns) = (fine, 2 * fine);
     let vertex = |k: u32, l: u32| {
         let (theta, phi) =
@@ -42,7 +42,7 @@ fn ball(center: Point3<f64>, radius: f64, fine: u32) -> TriangleMesh {
         [[a, a + columns, b + columns], [a, b + columns, b]]
     };
     let faces = (0..rows).flat_map(|k| (0..columns).flat_map(move |l| face(k, l))).collect();
-    TriangleMesh::new(vertices, faces, 1.0).expect("a ball")
+    TriangleMesh::new(vertices, faces, crease).expect("a ball")
 }
 
 fn ground(z: f64) -> TriangleMesh {
@@ -111,7 +111,7 @@ fn scenes() -> Vec<RenderScene> {
     let with = |look: FiberLook, bodies: Vec<(TriangleMesh, Vector3<f64>)>, lights: Lights| {
         RenderScene::new(vec![hairs(look)], bodies, lights).expect("a scene")
     };
-    let head = || (ball(Point3::new(0.0, 0.05, 0.15), 0.04, 12), grey(0.7));
+    let head = || (ball(Point3::new(0.0, 0.05, 0.15), 0.04, 12, 1.0), grey(0.7));
     let colors = vec![Vector3::new(0.9, 0.5, 0.2); 300 * 24];
     vec![
         hair(far(0.0), lit(&[square], None)),
@@ -155,11 +155,11 @@ fn what_is_white_in_even_light_is_not_seen() {
         ("chiang", look(ChiangField::new(white))),
         ("matte", FiberLook::Colored(vec![Vector3::repeat(1.0); 300 * 24])),
     ] {
-        let head = (ball(Point3::new(0.0, 0.05, 0.15), 0.04, 12), grey(1.0));
+        let head = (ball(Point3::new(0.0, 0.05, 0.15), 0.04, 12, 0.0), grey(1.0));
         let scene = RenderScene::new(vec![hairs(look)], vec![head], lights()).expect("a scene");
         let [mean, error] = mean(&tracer(&scene, &camera, None), 256);
-        // Beneath smooth normals of a coarse ball some light is lost.
-        assert!((mean / 0.7 - 1.0).abs() < 5.0 * error + 2e-3, "{name}: {mean} {error}");
+        // The lobes of far hair keep their energy to 7e-6 at every event, of which there are few.
+        assert!((mean - 0.7).abs() < 5.0 * error + 1e-4, "{name}: {mean} {error}");
     }
 }
 
@@ -170,7 +170,7 @@ fn the_energy_of_a_closed_ball_is_balanced() {
     let (albedo, radius, intensity) = (0.75, 0.5, 2.0);
     let lamp = Light::Point { position: Point3::origin(), intensity: grey(intensity) };
     let lights = Lights::new(&[lamp], None).expect("a lamp");
-    let walls = vec![(ball(Point3::origin(), radius, 64), grey(albedo))];
+    let walls = vec![(ball(Point3::origin(), radius, 64, 1.0), grey(albedo))];
     let scene = RenderScene::new(Vec::new(), walls, lights).expect("a scene");
     let view = Projection::Perspective { field_of_view: 2.0 };
     let camera = Camera::new(Point3::new(0.1, 0.0, 0.0), &Point3::new(1.0, 1.0, 0.0), &UP, view);

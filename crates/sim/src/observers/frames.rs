@@ -1,5 +1,7 @@
 use super::{Objects, Observer, Show};
-use crate::folder::{FRAMES, OBJECTS_USD, PREVIEW, PVD, RunFolder, SPRINGS_USD, STAGE, USD};
+use crate::folder::{
+    FRAMES, OBJECTS_USD, PREVIEW, PVD, RunFolder, SPRINGS_USD, STAGE, USD, frame_name, objects_name,
+};
 use crate::manifest::Entry;
 use crate::scene::Format;
 use crate::storage::save;
@@ -74,7 +76,7 @@ impl FrameWriter {
     }
 
     fn file(&self, index: usize, extension: &str) -> PathBuf {
-        self.folder.join(name(index, extension))
+        self.folder.join(frame_name(index, extension))
     }
 
     /// Lists the frames so far for ParaView.
@@ -83,7 +85,7 @@ impl FrameWriter {
         for index in 0..self.count {
             let time = self.plan.frame_time(index as u64);
             let objects = self.show.objects.file(index);
-            files.push((time, 0, name(index, "vtp")));
+            files.push((time, 0, frame_name(index, "vtp")));
             files.extend(objects.map(|file| (time, 1, objects_name(file, "vtp"))));
         }
         let entries = files.iter().map(|(time, part, name)| (*time, *part, name.as_str()));
@@ -127,7 +129,7 @@ impl FrameWriter {
     fn write_mitsuba(&self, frame: &Frame, objects: &[Placed]) -> Result<(), SimError> {
         let index = frame.index;
         let of_objects = self.show.objects.file(index).unwrap_or(index);
-        let [curves, surfaces] = [name(index, "txt"), objects_name(of_objects, "obj")];
+        let [curves, surfaces] = [frame_name(index, "txt"), objects_name(of_objects, "obj")];
         if of_objects == index && !objects.is_empty() {
             save(&self.folder.join(&surfaces), |to| export::obj::write_objects(to, objects))?;
         }
@@ -191,7 +193,7 @@ impl FrameWriter {
         let strands = usd::Strands::new(timeline, scope, prims, |index| self.open_frame(index))
             .map_err(SimError::export(&path))?;
         let clip = |frames: Range<usize>| {
-            let file = name(frames.start, "usda");
+            let file = frame_name(frames.start, "usda");
             (frames, file)
         };
         let files: Vec<_> = strands.clips(LARGEST).into_iter().map(clip).collect();
@@ -298,14 +300,4 @@ impl Observer for FrameWriter {
         faults.extend(self.write_preview().err());
         faults
     }
-}
-
-/// The name of a frame's file as seen from the folder of the run.
-fn name(index: usize, extension: &str) -> String {
-    format!("{FRAMES}/frame-{index:06}.{extension}")
-}
-
-/// The name of a file of objects as seen from the folder of the run.
-fn objects_name(index: usize, extension: &str) -> String {
-    format!("{FRAMES}/objects-{index:06}.{extension}")
 }
