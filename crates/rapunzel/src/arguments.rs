@@ -135,7 +135,8 @@ pub(crate) struct RenderOptions {
     /// The folder of a run or of a grown style, a scene or a style (RON), or a file of strands
     /// (usda, usdc, usdz, hair, data, obj, ply) or of a frame (vtp).
     pub(crate) what: PathBuf,
-    /// The picture, a PNG; an EXR beside it if --exr [default: NAME.png, or the folder NAME-film].
+    /// The picture, a PNG; an EXR beside it if --exr [default: runs/NAME.png, or the folder
+    /// runs/NAME-film].
     #[arg(long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
     /// The frame of a run, from 0 [default: the last].

@@ -45,8 +45,9 @@ pub(crate) fn render(options: &RenderOptions, json: bool) -> Result<ExitCode, Fa
     let many = options.film || options.turntable.is_some();
     let pictures = pictures(options, &shown)?;
     let out = options.out.clone().unwrap_or_else(|| default_out(path, many));
-    if many {
-        fs::create_dir_all(&out).map_err(|error| unusable(&out, &error))?;
+    let folder = if many { Some(out.as_path()) } else { out.parent() };
+    if let Some(folder) = folder {
+        fs::create_dir_all(folder).map_err(|error| unusable(folder, &error))?;
     }
     let series = Series::new(&shown, &pictures, options.color_by).map_err(Failure::of(path))?;
     let stage_options = stage_options(options, &shown, &series)?;
@@ -315,10 +316,10 @@ fn encode(folder: &Path) -> Option<PathBuf> {
     None
 }
 
-/// The picture in the folder where the program runs, or the folder of pictures there.
+/// The picture among the runs, or the folder of pictures there.
 fn default_out(what: &Path, many: bool) -> PathBuf {
     let stem = what.file_stem().unwrap_or_default().to_string_lossy();
-    PathBuf::from(if many { format!("{stem}-film") } else { format!("{stem}.png") })
+    Path::new("runs").join(if many { format!("{stem}-film") } else { format!("{stem}.png") })
 }
 
 fn progress_bar(samples: u32) -> ProgressBar {

@@ -92,5 +92,7 @@ fn what_cannot_be_drawn_is_refused_with_a_reason() {
     let told = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(4), "{told}");
     assert!(told.contains("2^28"), "{told}");
-    assert!(!folder.path().join("scene.png").exists());
+    assert!(!folder.path().join("runs/scene.png").exists());
+    assert!(render(folder.path(), &["scene.ron"]).status.success());
+    assert!(folder.path().join("runs/scene.png").is_file());
 }
