@@ -17,13 +17,18 @@ pub(super) struct Reference {
     sums: Vec<[f64; 4]>,
 }
 
+/// Number of samples wanted among `targets` for sums over `sources`: more where they cost little.
+pub(super) fn wanted(sources: usize, targets: usize) -> usize {
+    (100_000_000 / sources.max(1)).clamp(64, 2048).min(targets)
+}
+
 impl Reference {
     /// Reference at samples all over the targets at `places`, given about the squares of their
     /// fields as `strengths`. A third of them is uniform, a third as frequent as the field is
     /// strong and a third as its square, because few targets may hold most of the sum of squares.
     pub(super) fn new(cloud: &Cloud, places: &[Vec<f64>; 3], strengths: &[f64]) -> Self {
         let targets = strengths.len();
-        let wanted = (100_000_000 / cloud.len().max(1)).clamp(64, 2048).min(targets);
+        let wanted = wanted(cloud.len(), targets);
         let totals = |part: &[f64]| part.iter().fold([0.0; 2], |[a, b], s| [a + s, b + s.sqrt()]);
         let parts: Vec<_> = strengths.par_chunks(TARGETS_PER_PART).map(totals).collect();
         let all = parts.iter().fold([0.0; 2], |[a, b], part| [a + part[0], b + part[1]]);

@@ -1,7 +1,7 @@
 //! The fast multipole method for point charges.
 
 use super::downward::{BODIES_PER_TASK, Degrees, Descent, Far, Leaf, Task};
-use super::reference::Reference;
+use super::reference::{Reference, wanted};
 use super::single::add_pairs_single;
 use super::tree::{Cell, Octree};
 use super::upward::{Multipoles, nothing, parts};
@@ -113,13 +113,14 @@ impl MultipolePlan {
         let (tree, places) = self.targets.as_ref().map_or(own, |(tree, places)| (tree, places));
         let (plan, cloud) = (self, &cloud);
         // What is found in single precision, or partly so, may be too inexact or overflow.
+        let opening = opening(self.accuracy);
         let single = || {
             let real = PhantomData::<f32>;
-            PointSum { plan, cloud, targets: tree, places, low: None, real }.run()
+            PointSum { plan, cloud, targets: tree, places, opening, low: None, real }.run()
         };
         let double = |low| {
             let real = PhantomData::<f64>;
-            PointSum { plan, cloud, targets: tree, places, low, real }.run()
+            PointSum { plan, cloud, targets: tree, places, opening, low, real }.run()
         };
         let finite = |(sums, _): &(Vec<[f64; 4]>, Certificate)| {
             sums.par_chunks(PART).all(|part| part.as_flattened().iter().all(|x| x.is_finite()))
@@ -194,6 +195,21 @@ const SLOPE: f64 = 0.66;
 /// and 0.8 for a million uniform points.
 const POINT_OPENING: f64 = 0.75;
 
+/// Largest ratio of radii to distance at which expansions are used where much is asked.
+const STRICT_OPENING: f64 = 0.6;
+
+/// Largest ratio of the sum of the radii of two cells to their distance at which expansions are
+/// used.
+///
+/// Terms of degree p fall to `(opening / (2 - opening))^p` between cells at the least distance: to
+/// 1e-9 at the highest degree with [`POINT_OPENING`], to 2e-15 with [`STRICT_OPENING`].
+fn opening(accuracy: Accuracy) -> f64 {
+    match accuracy {
+        Accuracy::Tolerance(tolerance) if tolerance < 1e-8 => STRICT_OPENING,
+        _ => POINT_OPENING,
+    }
+}
+
 /// Tolerance from which on single precision is usually enough: it errs by some 2e-7.
 pub(crate) const SINGLE: f64 = 5e-7;
 
@@ -229,6 +245,9 @@ struct PointSum<'a, E> {
     targets: &'a Octree,
     /// Coordinates of the targets (world, m), in the order of their tree.
     places: &'a [Vec<f64>; 3],
+    /// Largest ratio of the sum of the radii of two cells to their distance at which expansions
+    /// are used.
+    opening: f64,
     /// Degree from which on expansions are moved in single precision, if that is not `E`.
     low: Option<usize>,
     /// Precision of the expansions.
@@ -248,8 +267,8 @@ impl<E: Coefficient> PointSum<'_, E> {
             Accuracy::Tolerance(tolerance) => tolerance,
             Accuracy::Order(_) => 0.0,
         };
-        // Few pairs are summed directly.
-        if tolerance > 0.0 && n * m < 4_000_000 {
+        // Few pairs are summed directly, and targets of which the reference would take half.
+        if tolerance > 0.0 && (n * m < 4_000_000 || m < 2 * wanted(n, m)) {
             return Ok(direct());
         }
         let reference = Reference::new(self.cloud, self.places, &self.strengths());
@@ -332,8 +351,8 @@ impl<E: Coefficient> PointSum<'_, E> {
             targets: self.targets,
             leaf: self,
             order,
-            opening: POINT_OPENING,
-            degrees: Degrees::new(order, POINT_OPENING, thinning(self.plan.accuracy)),
+            opening: self.opening,
+            degrees: Degrees::new(order, self.opening, thinning(self.plan.accuracy)),
             clearance: 0.0,
             direct: pairs_per_shift(order),
             grain: BODIES_PER_TASK,
