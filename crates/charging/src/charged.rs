@@ -99,6 +99,16 @@ impl ChargedRods {
         self.fibers.rods[fiber].energy(gravity)
     }
 
+    /// Charge at each node of all fibres, C: half of that of the segments beside it.
+    #[must_use]
+    pub fn charges(&self) -> Vec<f64> {
+        let of = |rod: &Vec<f64>| {
+            let before = [0.0].iter().chain(rod);
+            before.zip(rod.iter().chain(&[0.0])).map(|(a, b)| 0.5 * (a + b)).collect::<Vec<_>>()
+        };
+        self.fibers.rods.iter().flat_map(|rod| of(&rod.charges)).collect()
+    }
+
     /// How the fibres came to rest in the last step.
     #[must_use]
     pub fn report(&self) -> ChargeReport {

@@ -27,6 +27,10 @@ pub struct Strand {
     pub curvatures: Vec<Vector3<f64>>,
     /// Internal force of each segment (world), N; its part along the tangent is the tension.
     pub forces: Vec<Vector3<f64>>,
+    /// Force of all contacts at the points (world), N; zero where nothing touches.
+    pub contact_forces: Vec<Vector3<f64>>,
+    /// Charge at the points, C.
+    pub charges: Vec<f64>,
 }
 
 impl Frame {
@@ -62,6 +66,8 @@ impl Strand {
         count("radii", self.radii.len(), points)?;
         count("velocities", self.velocities.len(), points)?;
         count("curvatures", self.curvatures.len(), points)?;
+        count("contact forces", self.contact_forces.len(), points)?;
+        count("charges", self.charges.len(), points)?;
         count("frames", self.frames.len(), points - 1)?;
         count("forces", self.forces.len(), points - 1)?;
         finite(strand, "position", self.points.iter().map(|p| p.coords.sum()))?;
@@ -69,7 +75,9 @@ impl Strand {
         finite(strand, "velocity", self.velocities.iter().map(Vector3::sum))?;
         finite(strand, "curvature", self.curvatures.iter().map(Vector3::sum))?;
         finite(strand, "frame", self.frames.iter().map(|r| r.matrix().sum()))?;
-        finite(strand, "force", self.forces.iter().map(Vector3::sum))
+        finite(strand, "force", self.forces.iter().map(Vector3::sum))?;
+        finite(strand, "contact force", self.contact_forces.iter().map(Vector3::sum))?;
+        finite(strand, "charge", self.charges.iter().copied())
     }
 }
 

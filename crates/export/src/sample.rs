@@ -25,7 +25,9 @@ fn strand(segments: usize, time: f64) -> Strand {
         radii: points.clone().map(|i| 40e-6 - 1e-5 * at(i)).collect(),
         velocities: points.clone().map(|i| Vector3::new(wave(at(i) + 1.0), 0.01, 0.0)).collect(),
         frames: (0..segments).map(|i| so3::exp(&Vector3::new(0.1, at(i), time))).collect(),
-        curvatures: points.map(|i| Vector3::new(wave(at(i)), 1.0 / 3.0, -2.0)).collect(),
+        curvatures: points.clone().map(|i| Vector3::new(wave(at(i)), 1.0 / 3.0, -2.0)).collect(),
+        contact_forces: points.clone().map(|i| 1e-6 * Vector3::new(at(i), 0.1, time)).collect(),
+        charges: points.map(|i| 1e-12 * wave(at(i))).collect(),
         forces: (0..segments).map(|i| 1e-5 * Vector3::new(0.1, at(i), 1.0)).collect(),
     }
 }

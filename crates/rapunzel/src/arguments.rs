@@ -172,7 +172,8 @@ pub(crate) struct RenderOptions {
     /// Model of the scattering: near, far, or chiang, that of other renderers.
     #[arg(long, default_value = "near", value_parser = HairModel::from_str)]
     pub(crate) model: HairModel,
-    /// Color fibres by strain, curvature, tension, speed or fibre instead, with a legend.
+    /// Color fibres by strain, curvature, tension, speed, contact (force), charge or fibre instead,
+    /// with a legend.
     #[arg(long, value_name = "QUANTITY", value_parser = Coloring::from_str)]
     pub(crate) color_by: Option<Coloring>,
     /// Straight pieces from node to node instead of smooth curves.

@@ -1,6 +1,7 @@
 //! Simulates a swinging lock and writes it in every format into the folder that is named on the
 //! command line.
 
+use nalgebra::Vector3;
 use rapunzel_export::{Frame, Strand, hair, mitsuba, pov, pvd, usd, vtp};
 use rapunzel_fiber::Fiber;
 use rapunzel_scattering::Pigments;
@@ -37,6 +38,7 @@ fn simulated() -> Result<Vec<Frame>, Box<dyn Error>> {
 fn frame(world: &World, index: usize) -> Frame {
     let strand = |(i, fiber): (usize, &Fiber)| {
         let state = world.state(i);
+        let nodes = state.positions.len();
         Strand {
             points: state.positions,
             radii: fiber.nodes().iter().map(|n| n.section.equivalent_radius()).collect(),
@@ -44,6 +46,8 @@ fn frame(world: &World, index: usize) -> Frame {
             frames: state.frames,
             curvatures: state.curvatures,
             forces: state.forces,
+            contact_forces: vec![Vector3::zeros(); nodes],
+            charges: vec![0.0; nodes],
         }
     };
     let strands = world.assembly().fibers().iter().enumerate().map(strand).collect();

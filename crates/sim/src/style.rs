@@ -172,6 +172,8 @@ pub(crate) fn strand(points: &[Point3<f64>]) -> Strand {
         frames,
         curvatures: vec![Vector3::zeros(); segments + 1],
         forces: vec![Vector3::zeros(); segments],
+        contact_forces: vec![Vector3::zeros(); segments + 1],
+        charges: vec![0.0; segments + 1],
     }
 }
 

@@ -35,6 +35,8 @@ fn groom() -> Frame {
             frames: vec![Rotation3::from_matrix_unchecked(Matrix3::identity()); POINTS - 1],
             curvatures: vec![Vector3::zeros(); POINTS],
             forces: vec![Vector3::zeros(); POINTS - 1],
+            contact_forces: vec![Vector3::zeros(); POINTS],
+            charges: vec![0.0; POINTS],
         }
     };
     Frame { index: 0, time: 0.0, strands: (0..STRANDS).map(strand).collect() }

@@ -13,6 +13,10 @@ pub enum Coloring {
     Tension,
     /// Speed, m/s.
     Speed,
+    /// Magnitude of the force of contacts, N.
+    Contact,
+    /// Charge, C.
+    Charge,
     /// Which fibre it is.
     Fiber,
 }
@@ -26,10 +30,12 @@ impl FromStr for Coloring {
             "curvature" => Ok(Self::Curvature),
             "tension" => Ok(Self::Tension),
             "speed" => Ok(Self::Speed),
+            "contact" => Ok(Self::Contact),
+            "charge" => Ok(Self::Charge),
             "fibre" | "fiber" => Ok(Self::Fiber),
             _ => Err(format!(
                 "\"{text}\" is nothing that fibres can be colored by: take strain, curvature, tension, \
-                 speed or fibre"
+                 speed, contact, charge or fibre"
             )),
         }
     }
@@ -71,6 +77,8 @@ impl Coloring {
             Self::Curvature => Some("curvature 1/m"),
             Self::Tension => Some("tension N"),
             Self::Speed => Some("speed m/s"),
+            Self::Contact => Some("contact force N"),
+            Self::Charge => Some("charge C"),
             Self::Fiber => None,
         }
     }
@@ -95,6 +103,8 @@ impl Coloring {
             // A node bears the mean of its segments.
             Self::Tension => 0.5 * (tension(k.saturating_sub(1)) + tension(k.min(last))),
             Self::Speed => strand.velocities[k].norm(),
+            Self::Contact => strand.contact_forces[k].norm(),
+            Self::Charge => strand.charges[k],
             Self::Fiber => index as f64,
         };
         (0..strand.points.len()).map(value).collect()
@@ -140,4 +150,20 @@ fn hue(turn: f64) -> Vector3<f64> {
 /// The linear value of one of sRGB, in `[0, 1]`.
 fn linear(x: f64) -> f64 {
     if x <= 0.040_45 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::font;
+
+    #[test]
+    fn every_letter_of_a_title_is_drawn() {
+        for name in ["strain", "curvature", "tension", "speed", "contact", "charge"] {
+            let coloring: Coloring = name.parse().expect("a quantity");
+            for letter in coloring.title().expect("a scale").chars().filter(|c| *c != ' ') {
+                assert_ne!(font::rows(letter), [0; 7], "{letter} of {name}");
+            }
+        }
+    }
 }

@@ -64,6 +64,28 @@ impl FibersInContact {
         self.stepper.memory.bearings()
     }
 
+    /// Mean force of all contacts on each node of the fibres over the last part of a step, N,
+    /// world: the ends of a segment share what acts on it as the lever does. Cost: a look at all
+    /// contacts.
+    #[must_use]
+    pub fn contact_forces(&self) -> Vec<Vector3<f64>> {
+        let layout = self.fibers.assembly().layout();
+        let mut forces = vec![Vector3::zeros(); layout.nodes()];
+        for contact in self.contacts() {
+            let sides = contact.sides.into_iter().zip(contact.at);
+            for ((side, at), force) in sides.zip([contact.force, -contact.force]) {
+                let BodyRef::Fiber(fiber) = side else { continue };
+                let nodes = &mut forces[layout.node_range(fiber as usize)];
+                #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "few")]
+                let segment = (at.max(0.0) as usize).min(nodes.len() - 2);
+                let fraction = at - segment as f64;
+                nodes[segment] += (1.0 - fraction) * force;
+                nodes[segment + 1] += fraction * force;
+            }
+        }
+        forces
+    }
+
     /// Mean force of all fibres and other objects on an object over the last part of a step, N,
     /// world. Cost: that of looking at all contacts.
     #[must_use]

@@ -233,8 +233,8 @@ proptest! {
 /// radii, and samples may miss them.
 #[test]
 fn tolerances_are_met_in_clouds_of_few_cells() {
-    for seed in 0..12 {
-        let points = cube(4100 + 15 * seed as usize, seed);
+    for (count, seed) in (4100..5000).step_by(75).zip(0..) {
+        let points = cube(count, seed);
         let charges = charges(points.len(), true, 7);
         let mut r = random(seed);
         let turn = UnitQuaternion::from_scaled_axis(Vector3::from_fn(|_, _| normal(&mut r)));

@@ -51,8 +51,8 @@ impl<R: BufRead + Seek> Arrays<R> {
     /// [`ExportError::Malformed`], also where the strands do not follow each other, or
     /// [`ExportError::Io`].
     pub fn counts(&mut self) -> Result<Vec<usize>, ExportError> {
-        // After the positions and eight arrays of 20 numbers a point comes the connectivity.
-        let before = ArrayBlock { arrays: 10, parts: 24 };
+        // After the positions and ten arrays of 24 numbers a point comes the connectivity.
+        let before = ArrayBlock { arrays: 12, parts: 28 };
         let ends = self.block::<1>(before, 0..self.strands, self.strands)?;
         let mut last = 0;
         let mut count = |end: [u8; 8]| {

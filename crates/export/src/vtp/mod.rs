@@ -1,6 +1,6 @@
 //! VTK poly data: one poly line per fibre, raw binary, double precision.
 //!
-//! Point data: `radius`, `velocity`, `curvature`, and the data of segments, which VTK has no place
+//! Point data: `radius`, `velocity`, `curvature`, `contact_force`, `charge`, and the data of segments, which VTK has no place
 //! for, as the value of the segment that begins at the point: `d1`, `d2`, `d3`, `force` and
 //! `tension` (the last point of a fibre repeats its last segment). Cell data: `fiber`. Field data:
 //! `TimeValue`, s, and `FrameIndex`.
@@ -21,7 +21,7 @@ pub(super) const END: &[u8] = b"\n  </AppendedData>\n</VTKFile>\n";
 
 /// Names and components of the point data, in the order in which they are stored; positions come
 /// before them, connectivity, offsets and fibre numbers after them.
-const POINT_DATA: [(&str, usize); 8] = [
+const POINT_DATA: [(&str, usize); 10] = [
     ("radius", 1),
     ("velocity", 3),
     ("curvature", 3),
@@ -30,6 +30,8 @@ const POINT_DATA: [(&str, usize); 8] = [
     ("d3", 3),
     ("force", 3),
     ("tension", 1),
+    ("contact_force", 3),
+    ("charge", 1),
 ];
 
 #[cfg(test)]
@@ -61,7 +63,7 @@ mod tests {
         let start = bytes.windows(2).position(|w| w == b"\n_").expect("the appended data") + 2;
         let header = std::str::from_utf8(&bytes[..start]).expect("text");
         let points = frame.points();
-        let sizes = [3, 1, 3, 3, 3, 3, 3, 3, 1].map(|n| 8 * n * points);
+        let sizes = [3, 1, 3, 3, 3, 3, 3, 3, 1, 3, 1].map(|n| 8 * n * points);
         let mut offset = 0;
         for size in sizes.into_iter().chain([8 * points, 8 * 3, 8 * 3]) {
             assert!(header.contains(&format!("offset=\"{offset}\"")), "{offset} in {header}");

@@ -120,16 +120,21 @@ fn strand(positions: &[[u8; 8]], data: &[Vec<[u8; 8]>], first: usize, end: usize
         |array: &[[u8; 8]], i: usize| Vector3::from_fn(|k, _| f64::from_le_bytes(array[3 * i + k]));
     let vectors =
         |array: usize, end: usize| (first..end).map(|i| vector(&data[array], i)).collect();
+    let numbers = |array: usize| {
+        data[array][first..end].iter().map(|x| f64::from_le_bytes(*x)).collect::<Vec<_>>()
+    };
     let frame = |i: usize| {
         let directors = [3, 4, 5].map(|array| vector(&data[array], i));
         Rotation3::from_matrix_unchecked(Matrix3::from_columns(&directors))
     };
     Strand {
         points: (first..end).map(|i| Point3::from(vector(positions, i))).collect(),
-        radii: data[0][first..end].iter().map(|x| f64::from_le_bytes(*x)).collect(),
+        radii: numbers(0),
         velocities: vectors(1, end),
         curvatures: vectors(2, end),
         frames: (first..end - 1).map(frame).collect(),
         forces: vectors(6, end - 1),
+        contact_forces: vectors(8, end),
+        charges: numbers(9),
     }
 }

@@ -6,7 +6,7 @@ use std::io::{Seek, SeekFrom, Write};
 /// Number of bytes of an array that are buffered and written together.
 const WAITING: usize = 1 << 16;
 
-/// Writes `frame`. Cost: about 190 bytes per point.
+/// Writes `frame`. Cost: about 220 bytes per point.
 ///
 /// # Errors
 /// Refuses invalid frames, when some of the file may be written; fails if `out` does.
@@ -16,7 +16,7 @@ pub fn write(out: &mut (impl Write + Seek), frame: &Frame) -> Result<(), ExportE
 }
 
 /// Writes a frame of this index and time (s) whose strands come one by one; `counts` are the
-/// numbers of their points. Cost: about 190 bytes per point, and the memory of one strand.
+/// numbers of their points. Cost: about 220 bytes per point, and the memory of one strand.
 ///
 /// # Errors
 /// Refuses invalid frames, when some of the file may be written; fails if `out` does.
@@ -99,6 +99,8 @@ fn point_data(strand: &Strand, name: &str) -> Vec<f64> {
         "d1" => director(0),
         "d2" => director(1),
         "d3" => director(2),
+        "contact_force" => strand.contact_forces.iter().flat_map(|v| v.data.0[0]).collect(),
+        "charge" => strand.charges.clone(),
         "force" => segments().flat_map(|j| strand.forces[j].data.0[0]).collect(),
         _ => {
             segments().map(|j| strand.frames[j].matrix().column(2).dot(&strand.forces[j])).collect()

@@ -47,6 +47,8 @@ pub(crate) fn strand(
         curvatures: vec![Vector3::zeros(); points.len()],
         frames,
         forces: line.springs.iter().map(|&s| force(s)).collect(),
+        contact_forces: vec![Vector3::zeros(); points.len()],
+        charges: vec![0.0; points.len()],
         points,
         velocities,
     }

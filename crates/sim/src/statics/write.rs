@@ -88,6 +88,8 @@ impl CaseEquilibrium {
             frames: frames.take(segments).collect(),
             curvatures: stations.iter().map(|station| station.curvature.into()).collect(),
             forces: stations[..segments].iter().map(|station| station.force.into()).collect(),
+            contact_forces: vec![Vector3::zeros(); stations.len()],
+            charges: vec![0.0; stations.len()],
         }
     }
 }

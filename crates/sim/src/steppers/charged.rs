@@ -1,4 +1,4 @@
-use super::{fiber_nodes, fiber_strands};
+use super::{NodeLoads, fiber_nodes, fiber_strands};
 use crate::SimError;
 use crate::folder::CHARGE;
 use crate::stepper::{FiberStates, Scenery, Stepper};
@@ -51,7 +51,8 @@ impl Stepper for Charged {
     }
 
     fn strands(&self) -> Box<dyn Iterator<Item = Strand> + '_> {
-        Box::new(fiber_strands(&self.fibers))
+        let loads = NodeLoads { charges: self.fibers.charges(), ..NodeLoads::default() };
+        Box::new(fiber_strands(&self.fibers, loads))
     }
 
     fn node(&self, strand: usize, node: Option<usize>) -> (Point3<f64>, Vector3<f64>) {

@@ -1,5 +1,5 @@
 use super::free::{ledger_columns, ledger_row};
-use super::{fiber_nodes, fiber_strands};
+use super::{NodeLoads, fiber_nodes, fiber_strands};
 use crate::SimError;
 use crate::folder::{CONTACTS, OBJECTS};
 use crate::stepper::{FiberStates, Scenery, Stepper};
@@ -32,7 +32,9 @@ impl Stepper for InContact {
     }
 
     fn strands(&self) -> Box<dyn Iterator<Item = Strand> + '_> {
-        Box::new(fiber_strands(self.fibers.fibers()))
+        let contact_forces = self.fibers.contact_forces();
+        let loads = NodeLoads { contact_forces, ..NodeLoads::default() };
+        Box::new(fiber_strands(self.fibers.fibers(), loads))
     }
 
     fn node(&self, strand: usize, node: Option<usize>) -> (Point3<f64>, Vector3<f64>) {

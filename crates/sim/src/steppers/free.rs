@@ -1,4 +1,4 @@
-use super::{fiber_nodes, fiber_strands};
+use super::{NodeLoads, fiber_nodes, fiber_strands};
 use crate::SimError;
 use crate::stepper::{FiberStates, Scenery, Stepper};
 use nalgebra::{Point3, Vector3};
@@ -65,7 +65,7 @@ impl Stepper for Free {
     }
 
     fn strands(&self) -> Box<dyn Iterator<Item = Strand> + '_> {
-        Box::new(fiber_strands(&self.fibers))
+        Box::new(fiber_strands(&self.fibers, NodeLoads::default()))
     }
 
     fn node(&self, strand: usize, node: Option<usize>) -> (Point3<f64>, Vector3<f64>) {

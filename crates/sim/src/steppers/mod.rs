@@ -8,4 +8,4 @@ mod scenery;
 pub(crate) use charged::Charged;
 pub(crate) use contact::InContact;
 pub(crate) use free::Free;
-use scenery::{fiber_nodes, fiber_strands};
+use scenery::{NodeLoads, fiber_nodes, fiber_strands};

@@ -1,6 +1,7 @@
 use crate::folder::{SPRINGS_USD, USD};
 use crate::scene::{JointKind, MassSpring, Scene, Tip};
 use crate::stepper::{FiberStates, Scenery};
+use nalgebra::Vector3;
 use rapunzel_export::Strand;
 use rapunzel_export::usd::{Prim, PrimShape};
 use rapunzel_studio::sheet::Support;
@@ -24,15 +25,31 @@ pub(super) fn fiber_nodes(fibers: &dyn FiberStates) -> Vec<usize> {
     (0..layout.fibers()).map(|fiber| layout.node_range(fiber).len()).collect()
 }
 
+/// What acts on the nodes of all fibres; a list is empty where nothing does.
+#[derive(Default)]
+pub(super) struct NodeLoads {
+    /// Forces of contacts (world), N.
+    pub(super) contact_forces: Vec<Vector3<f64>>,
+    /// Charges, C.
+    pub(super) charges: Vec<f64>,
+}
+
 /// All fibres as they are now, one after another: all strands together are half as much as the
 /// state.
-pub(super) fn fiber_strands(fibers: &dyn FiberStates) -> impl Iterator<Item = Strand> {
+pub(super) fn fiber_strands(
+    fibers: &dyn FiberStates,
+    loads: NodeLoads,
+) -> impl Iterator<Item = Strand> {
     let assembly = fibers.assembly();
     (0..assembly.fibers().len()).map(move |fiber| {
         let state = fibers.state(fiber);
+        let nodes = assembly.layout().node_range(fiber);
+        let none = || vec![Vector3::zeros(); nodes.len()];
         Strand {
+            contact_forces: loads.contact_forces.get(nodes.clone()).map_or_else(none, Into::into),
+            charges: loads.charges.get(nodes.clone()).map_or(vec![0.0; nodes.len()], Into::into),
             points: state.positions,
-            radii: assembly.radii()[assembly.layout().node_range(fiber)].to_vec(),
+            radii: assembly.radii()[nodes].to_vec(),
             velocities: state.velocities,
             frames: state.frames,
             curvatures: state.curvatures,

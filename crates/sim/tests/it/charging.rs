@@ -114,6 +114,8 @@ fn the_tress_has_its_field_and_its_charge_of_lift_off() {
     );
     let report = settled(&mut run);
     assert!((report.mean_field - 13.5e3).abs() < 0.7e3, "{report:?}");
+    let in_frames: f64 = run.world.stepper().strands().flat_map(|strand| strand.charges).sum();
+    assert!((in_frames / report.charge - 1.0).abs() < 1e-12, "{in_frames} C of {report:?}");
     let nodes = run.all_positions();
     let middle = nodes.iter().map(|fiber| fiber[50].coords).sum::<Vector3<f64>>() / 300.0;
     let outside = [Point3::from(middle + Vector3::new(0.0, 0.12 + 0.0049, 0.0))];

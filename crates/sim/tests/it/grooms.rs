@@ -1,6 +1,6 @@
 //! Fibres along the curves of a groom: what is read is what is simulated and written, and it rests.
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 use rapunzel_export::{Frame, Strand, data, hair, obj, ply};
 use rapunzel_sim::{MemoryEstimate, Scene, SimError, World};
 use std::path::Path;
@@ -227,6 +227,8 @@ fn a_groom_goes_through_every_format() {
         frames: state.frames.clone(),
         curvatures: state.curvatures.clone(),
         forces: state.forces.clone(),
+        contact_forces: vec![Vector3::zeros(); state.positions.len()],
+        charges: vec![0.0; state.positions.len()],
     });
     let frame = Frame { index: 0, time: 0.0, strands: strands.collect() };
     for ending in ["hair", "data", "obj", "ply"] {

@@ -327,4 +327,8 @@ fn objects_feel_the_weight_of_fibers() {
     assert!((sum.z / weight + 1.0).abs() < 1e-2 && sum.xy().norm() < 1e-2 * weight, "{sum}");
     assert!((left.z / right.z - 1.0).abs() < 0.1, "{left} {right}");
     assert_eq!(nothing, Vector3::zeros());
+    // Frames hold the same forces, on the fibre.
+    let strands = run.world.stepper().strands();
+    let on_fiber: Vector3<f64> = strands.flat_map(|strand| strand.contact_forces).sum();
+    assert!((on_fiber + sum).norm() < 1e-12 * weight, "{on_fiber} and {sum}");
 }

@@ -67,6 +67,8 @@ impl Stepper for Pendulum {
             frames: vec![turn],
             curvatures: vec![Vector3::zeros(); 2],
             forces: vec![Vector3::zeros()],
+            contact_forces: vec![Vector3::zeros(); 2],
+            charges: vec![0.0; 2],
         }))
     }
 

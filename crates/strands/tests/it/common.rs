@@ -16,6 +16,8 @@ pub(crate) fn strand(points: Vec<Point3<f64>>, radii: Vec<f64>) -> Strand {
         frames: vec![Rotation3::from_matrix_unchecked(Matrix3::identity()); segments],
         curvatures: vec![Vector3::zeros(); nodes],
         forces: vec![Vector3::zeros(); segments],
+        contact_forces: vec![Vector3::zeros(); nodes],
+        charges: vec![0.0; nodes],
     }
 }
 

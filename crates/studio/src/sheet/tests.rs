@@ -17,6 +17,8 @@ fn waving(index: usize) -> Frame {
             frames: vec![Rotation3::identity(); segments],
             curvatures: vec![Vector3::zeros(); segments + 1],
             forces: vec![Vector3::zeros(); segments],
+            contact_forces: vec![Vector3::zeros(); segments + 1],
+            charges: vec![0.0; segments + 1],
         }
     };
     Frame { index, time, strands: [5, 8, 11].map(strand).to_vec() }
