@@ -1,5 +1,6 @@
 //! The fast multipole method.
 
+pub(crate) mod accuracy;
 pub(crate) mod downward;
 mod points;
 mod reference;
@@ -9,4 +10,5 @@ pub(crate) mod solver;
 pub(crate) mod tree;
 pub(crate) mod upward;
 
-pub use solver::{Accuracy, Certificate, Multipole, MultipolePlan};
+pub use accuracy::Accuracy;
+pub use solver::{Certificate, Multipole, MultipolePlan};

@@ -1,5 +1,9 @@
 //! The fast multipole method for point charges.
 
+use super::accuracy::{
+    Accuracy, COARSE_COORDINATES, MARGIN, SINGLE, SLOPE, capacity, check_accuracy, guess, low,
+    opening, pairs_per_shift, thinning,
+};
 use super::downward::{BODIES_PER_TASK, Degrees, Descent, Far, Leaf, Task};
 use super::reference::{Reference, wanted};
 use super::single::add_pairs_single;
@@ -15,17 +19,6 @@ use rayon::prelude::*;
 use std::marker::PhantomData;
 use std::ops::Range;
 use std::sync::Arc;
-
-/// Required accuracy of a sum.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Accuracy {
-    /// Degree of the expansions, from 1 to [`MAX_ORDER`]: the number of terms p of the thesis, less
-    /// one.
-    Order(usize),
-    /// Relative error of the fields over all targets: the root of the sum of their squared errors
-    /// over that of their squares. From 1e-12 to 0.1.
-    Tolerance(f64),
-}
 
 /// Error of fields, as it was found at sampled targets.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -151,89 +144,9 @@ pub(crate) fn unit(charges: &[f64]) -> f64 {
     if most > 0.0 { most.log2().floor().exp2() } else { 1.0 }
 }
 
-/// Refuses an accuracy that no expansion can give.
-pub(crate) fn check_accuracy(accuracy: Accuracy) -> Result<(), ElectrostaticsError> {
-    match accuracy {
-        Accuracy::Order(order) if !(1..=MAX_ORDER).contains(&order) => {
-            let range = "a whole number from 1 to 40";
-            Err(ElectrostaticsError::Setting { what: "the order", value: order as f64, range })
-        }
-        Accuracy::Tolerance(value) if !(1e-12..=0.1).contains(&value) => {
-            let range = "from 1e-12 to 0.1";
-            Err(ElectrostaticsError::Setting { what: "the tolerance", value, range })
-        }
-        _ => Ok(()),
-    }
-}
-
-/// Number of bodies in a leaf at which pairs and expansions cost the same, from measured rates.
-fn capacity(accuracy: Accuracy) -> usize {
-    60 + 8 * guess(accuracy)
-}
-
-/// Number of pairs that take as long as one move of an expansion, from measured rates.
-fn pairs_per_shift(order: usize) -> usize {
-    let p = order + 1;
-    60 + p * p + p * p * p / 16
-}
-
-/// Degree that a tolerance usually needs.
-pub(crate) fn guess(accuracy: Accuracy) -> usize {
-    match accuracy {
-        Accuracy::Order(order) => order,
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "1 to 40")]
-        Accuracy::Tolerance(tolerance) => {
-            ((-tolerance.ln() - 4.5) / SLOPE).ceil().clamp(2.0, MAX_ORDER as f64) as usize
-        }
-    }
-}
-
-/// Logarithm of the factor by which one degree more reduces the error, usually.
-const SLOPE: f64 = 0.66;
-
-/// Largest ratio of radii to distance at which expansions are used: the fastest of 0.65, 0.72, 0.77
-/// and 0.8 for a million uniform points.
-const POINT_OPENING: f64 = 0.75;
-
-/// Largest ratio of radii to distance at which expansions are used where much is asked.
-const STRICT_OPENING: f64 = 0.6;
-
-/// Largest ratio of the sum of the radii of two cells to their distance at which expansions are
-/// used.
-///
-/// Terms of degree p fall to `(opening / (2 - opening))^p` between cells at the least distance: to
-/// 1e-9 at the highest degree with [`POINT_OPENING`], to 2e-15 with [`STRICT_OPENING`].
-fn opening(accuracy: Accuracy) -> f64 {
-    match accuracy {
-        Accuracy::Tolerance(tolerance) if tolerance < 1e-8 => STRICT_OPENING,
-        _ => POINT_OPENING,
-    }
-}
-
-/// Tolerance from which on single precision is usually enough: it errs by some 2e-7.
-pub(crate) const SINGLE: f64 = 5e-7;
-
-/// Tolerance from which on coordinates of single precision are enough for close pairs.
-const COARSE_COORDINATES: f64 = 1e-4;
-
-/// Degree from which on single precision is enough where `tolerance` is asked: what higher degrees
-/// add is some 1e6 of it.
-fn low(tolerance: f64) -> usize {
-    guess(Accuracy::Tolerance((1e6 * tolerance).min(0.1))) + 1
-}
-
-/// Exponent of the share of the degree that distant cells are left. For a tolerance it is less than
-/// one, because there are more of them than of close ones: the fastest of 0.6, 0.8 and 1.
-pub(crate) fn thinning(accuracy: Accuracy) -> f64 {
-    if matches!(accuracy, Accuracy::Tolerance(_)) { 0.8 } else { 0.0 }
-}
-
 /// Least length that distances are divided by, over the radius of all targets, so that no power of
 /// theirs overflows.
 const LEAST: f64 = 1e-8;
-
-/// Share of the tolerance that the samples may use up, since they are not all targets.
-pub(crate) const MARGIN: f64 = 0.5;
 
 /// Sum of the fields of all sources at all targets, with expansions of the type `E`.
 struct PointSum<'a, E> {

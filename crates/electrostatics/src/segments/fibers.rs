@@ -3,7 +3,8 @@
 use super::lines::SegmentLines;
 use super::solver::{Beside, SegmentSolution, loads};
 use crate::error::{check_charges, check_count, check_positions, check_positive};
-use crate::multipole::solver::{check_accuracy, unit};
+use crate::multipole::accuracy::check_accuracy;
+use crate::multipole::solver::unit;
 use crate::multipole::tree::Octree;
 use crate::{
     Accuracy, COULOMB_CONSTANT, Certificate, Condition, ConductingSurface, ElectrostaticsError,

@@ -1,9 +1,9 @@
 //! VTK poly data: one poly line per fibre, raw binary, double precision.
 //!
-//! Point data: `radius`, `velocity`, `curvature`, `contact_force`, `charge`, and the data of segments, which VTK has no place
-//! for, as the value of the segment that begins at the point: `d1`, `d2`, `d3`, `force` and
-//! `tension` (the last point of a fibre repeats its last segment). Cell data: `fiber`. Field data:
-//! `TimeValue`, s, and `FrameIndex`.
+//! Point data: `radius`, `velocity`, `curvature`, `contact_force`, `charge`, and the data of
+//! segments, which VTK has no place for, as the value of the segment that begins at the point:
+//! `d1`, `d2`, `d3`, `force` and `tension` (the last point of a fibre repeats its last segment).
+//! Cell data: `fiber`. Field data: `TimeValue`, s, and `FrameIndex`.
 //!
 //! [`read()`] reads what [`write()`] wrote, to the last bit; [`Arrays`] reads single arrays.
 
