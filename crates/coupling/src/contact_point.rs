@@ -48,9 +48,11 @@ pub(crate) struct ContactPoint {
     pub(crate) normal: Vector3<f64>,
     /// What there is to know of each side, world. Of a fibre its axis from root to tip, not of unit
     /// length. Of an object that moves freely it is the lever from its center of mass to where the
-    /// impulse acts, m: on the axis of a fibre, in the middle of the gap between objects. Of one
+    /// impulse acts, m: on the surface of a fibre, in the middle of the gap between objects. Of one
     /// that is kinematic the mean velocity of its surface over the step, m/s.
     pub(crate) arms: [Vector3<f64>; 2],
+    /// Radii of the fibres, m; 0 of an object.
+    pub(crate) radii: [f64; 2],
     /// Distance of the surfaces at the end of the step, m.
     pub(crate) gap: f64,
     /// Impulse on the first side, N s, world.
@@ -70,8 +72,8 @@ pub(crate) struct ContactImpulse {
     pub(crate) sides: [BodyRef; 2],
     pub(crate) segments: [u32; 2],
     pub(crate) fractions: [f64; 2],
-    /// Levers, m, from the centers of mass of free objects to where the impulse acts; zero for
-    /// other sides.
+    /// Levers, m, from the centers of mass of free objects and the axes of fibres to where the
+    /// impulse acts; zero for kinematic objects.
     pub(crate) levers: [Vector3<f64>; 2],
     /// Impulse on the first side, N s, world.
     pub(crate) impulse: Vector3<f64>,
@@ -112,10 +114,25 @@ impl ContactPoint {
         if self.sides[side].is_object() { Vector3::zeros() } else { self.arms[side] }
     }
 
-    /// From the center of mass of a side that is an object which moves freely to where the impulse
-    /// acts, m; else zero.
+    /// From the center of mass of a side that is an object which moves freely, or from the axis of
+    /// a fibre, to where the impulse acts, m; zero for a kinematic object.
     pub(crate) fn lever(&self, side: usize) -> Vector3<f64> {
-        if self.is_free(side) { self.arms[side] } else { Vector3::zeros() }
+        if self.is_free(side) {
+            return self.arms[side];
+        }
+        let inward = if side == 0 { -self.normal } else { self.normal };
+        self.radii[side] * inward
+    }
+
+    /// Lets the impulse act on the axis of a side that is a fibre, and there on what it touches.
+    pub(crate) fn act_on_axis(&mut self, side: usize) {
+        let (shift, other) = (-self.lever(side), 1 - side);
+        if !self.sides[side].is_object() {
+            self.radii[side] = 0.0;
+            if self.is_free(other) {
+                self.arms[other] += shift;
+            }
+        }
     }
 
     /// Mean velocity of the second side's surface over the step if that is kinematic, else zero,
@@ -299,6 +316,7 @@ mod tests {
             fractions: [place.fract(); 2],
             normal: Vector3::z() * up,
             arms: [Vector3::x(); 2],
+            radii: [0.0; 2],
             gap,
             impulse: Vector3::zeros(),
             working: false,

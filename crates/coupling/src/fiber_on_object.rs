@@ -146,7 +146,7 @@ impl CollisionObject {
                 let was = poses[0] * poses[1].inverse_transform_point(&place);
                 let own = match &self.motion {
                     ObjectMotion::Kinematic(_) => (place - was) / step.length,
-                    ObjectMotion::Dynamic(body) => axis - body.centers()[1],
+                    ObjectMotion::Dynamic(body) => axis - radius * normal - body.centers()[1],
                 };
                 #[expect(clippy::cast_possible_truncation, reason = "counted with 32 bits")]
                 let segment = s as u32;
@@ -156,6 +156,7 @@ impl CollisionObject {
                     fractions: [contact.fraction, 0.0],
                     normal,
                     arms: [end - start, own],
+                    radii: [radius, 0.0],
                     gap: contact.gap,
                     impulse: Vector3::zeros(),
                     working: false,

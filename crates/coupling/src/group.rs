@@ -1,8 +1,9 @@
 use crate::StepReport;
 use crate::batch::RodBatch;
 use crate::conditions::{BundleConditions, FiberConditions};
-use nalgebra::Vector3;
-use rapunzel_rod_dynamic::{self as rod, Conditions, SectionLaws, StaggeredBatch, StepError};
+use rapunzel_rod_dynamic::{
+    self as rod, Conditions, Impulses, SectionLaws, StaggeredBatch, StepError,
+};
 use std::sync::Arc;
 
 /// A batch of fibres with what acts on them: the unit of parallel work.
@@ -74,13 +75,13 @@ impl<B: RodBatch + ?Sized> FiberGroup<B> {
 
 /// The parts of a step of fibres in contact.
 impl FiberGroup<StaggeredBatch> {
-    /// Sets out on the step from `time` by `dt`, s, with impulses (N s) on all nodes of all fibres
-    /// at its start, without solving it.
+    /// Sets out on the step from `time` by `dt`, s, with impulses on all fibres at its start,
+    /// without solving it.
     pub(crate) fn set_out(
         &mut self,
         time: f64,
         dt: f64,
-        impulses: &[Vector3<f64>],
+        impulses: Impulses,
     ) -> Result<(), StepError> {
         let middle = self.load(time, dt)?;
         let during: Vec<_> = self.lanes.iter().map(|lane| lane.during(middle)).collect();
@@ -90,8 +91,8 @@ impl FiberGroup<StaggeredBatch> {
         done.map_err(|error| error.renumbered(|lane| self.fibers[lane]))
     }
 
-    /// Puts other impulses (N s) on all nodes in place of those before, without moving anything.
-    pub(crate) fn press(&mut self, impulses: &[Vector3<f64>]) -> Result<(), StepError> {
+    /// Puts other impulses in place of those before, without moving anything.
+    pub(crate) fn press(&mut self, impulses: Impulses) -> Result<(), StepError> {
         self.batch.press(impulses).map_err(|error| error.renumbered(|lane| self.fibers[lane]))
     }
 
@@ -101,7 +102,7 @@ impl FiberGroup<StaggeredBatch> {
     }
 
     /// Takes the increments, with other impulses.
-    pub(crate) fn advance(&mut self, impulses: &[Vector3<f64>]) -> Result<f64, StepError> {
+    pub(crate) fn advance(&mut self, impulses: Impulses) -> Result<f64, StepError> {
         self.batch.advance(impulses).map_err(|error| error.renumbered(|lane| self.fibers[lane]))
     }
 }

@@ -203,6 +203,7 @@ impl PairStep<'_> {
             fractions,
             normal: if of == 0 { normal } else { -normal },
             arms: [0, 1].map(own),
+            radii: [0.0; 2],
             gap,
             impulse: Vector3::zeros(),
             working: false,

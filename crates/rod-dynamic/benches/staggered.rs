@@ -5,7 +5,7 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use nalgebra::{Isometry3, Matrix3, UnitQuaternion, Vector3};
 use rapunzel_fiber::{Fiber, Material, Section};
 use rapunzel_rod_dynamic::{
-    Conditions, ImpulseResponse, Instant, Rod, RodIntegrator, RodStepReport, Staggered,
+    Conditions, ImpulseResponse, Impulses, Instant, Rod, RodIntegrator, RodStepReport, Staggered,
     StaggeredBatch, Steady, equilibrium, fitted, natural_curvatures,
 };
 use rayon::prelude::*;
@@ -90,14 +90,17 @@ fn response(c: &mut Criterion) {
         }
         let nodes = batch.nodes();
         let mut impulses = vec![Vector3::zeros(); nodes];
-        batch.set_out(1e-3, &conditions, &impulses, &mut reports).expect("a step");
+        batch
+            .set_out(1e-3, &conditions, Impulses::on_nodes(&impulses), &mut reports)
+            .expect("a step");
         for _ in 0..6 {
             batch.linearize().expect("a step");
-            batch.advance(&impulses).expect("a step");
+            batch.advance(Impulses::on_nodes(&impulses)).expect("a step");
         }
         impulses[50] = Vector3::new(1e-9, 2e-9, 3e-9);
         let mut velocities = vec![Vector3::zeros(); nodes];
         let mut blocks = vec![Matrix3::zeros(); nodes];
+        let mut turns = vec![Matrix3::zeros(); nodes - fibers];
         let share = u32::try_from(fibers).expect("few");
         group.bench_function(format!("column {company}"), |b| {
             b.iter_custom(|count| {
@@ -112,7 +115,7 @@ fn response(c: &mut Criterion) {
             b.iter_custom(|count| {
                 let clock = std::time::Instant::now();
                 for _ in 0..count {
-                    batch.diagonal_blocks(&mut blocks).expect("lengths");
+                    batch.diagonal_blocks(&mut blocks, &mut turns).expect("lengths");
                 }
                 clock.elapsed() / share
             });

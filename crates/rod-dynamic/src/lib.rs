@@ -19,7 +19,7 @@ pub use error::{RodError, StepError};
 pub use ledger::Ledger;
 #[cfg(feature = "modes")]
 pub use linear::{Linearization, Mode, linearize};
-pub use response::{ImpulseResponse, Point, PointResponses};
+pub use response::{ImpulseResponse, Impulses, Point, PointResponses};
 pub use rod::{Energy, Momentum, Rod, RodIntegrator, RodState, RodStepReport, SectionLaws};
 pub use staggered::{
     EquilibriumError, FittedFiber, Staggered, StaggeredBatch, bounded_natural_curvatures,

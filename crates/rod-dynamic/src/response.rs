@@ -1,7 +1,33 @@
 use crate::RodError;
 use nalgebra::{DMatrix, Matrix3, Vector3};
 
-/// A point on a segment of a fibre.
+/// Impulses on all fibres of a batch at the start of a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Impulses<'a> {
+    /// Impulses on the nodes, N s, world: one per node, fibre by fibre.
+    pub nodes: &'a [Vector3<f64>],
+    /// Moments of impulses beside the axis about it, N m s, world: one per segment, fibre by fibre,
+    /// or none at all.
+    pub segments: &'a [Vector3<f64>],
+}
+
+impl<'a> Impulses<'a> {
+    /// Impulses on the nodes, N s, world, without moments.
+    #[must_use]
+    pub fn on_nodes(nodes: &'a [Vector3<f64>]) -> Self {
+        Self { nodes, segments: &[] }
+    }
+
+    /// The impulses on one of fibres with so many segments each.
+    pub(crate) fn of_fiber(&self, fiber: usize, segments: usize) -> Self {
+        let nodes = &self.nodes[fiber * (segments + 1)..][..segments + 1];
+        let none = self.segments.is_empty();
+        let own = || &self.segments[fiber * segments..][..segments];
+        Self { nodes, segments: if none { &[] } else { own() } }
+    }
+}
+
+/// A point that moves with a segment of a fibre.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Point {
     /// Index of the fibre in its batch.
@@ -10,6 +36,16 @@ pub struct Point {
     pub segment: u32,
     /// Position on the segment, 0 at its root end and 1 at its tip end.
     pub fraction: f64,
+    /// From the axis to the point, m, world; zero for a point on the axis.
+    pub arm: Vector3<f64>,
+}
+
+impl Point {
+    /// A point on the axis of a fibre.
+    #[must_use]
+    pub fn on_axis(fiber: u32, segment: u32, fraction: f64) -> Self {
+        Self { fiber, segment, fraction, arm: Vector3::zeros() }
+    }
 }
 
 /// Response of points on one fibre to impulses on each other.
@@ -27,8 +63,10 @@ pub struct PointResponses {
 /// An impulse is a jump of velocity at the start of the step, the response the change of the mean
 /// velocity over the step: the map is symmetric and positive semidefinite. An impulse `P` at the
 /// fraction `f` of a segment is `(1 - f) P` on the node before and `f P` on the node behind, and
-/// the velocity there is interpolated alike. Vectors are in the world frame; arrays hold the nodes
-/// of the first fibre, then those of the second, and so on.
+/// the velocity there is interpolated alike; beside the axis, at an arm `a`, the impulse has the
+/// moment `a x P` about it too, and the velocity the part `w x a` of the segment's mean angular
+/// velocity `w`. Vectors are in the world frame; arrays hold the nodes of the first fibre, then
+/// those of the second, and so on.
 pub trait ImpulseResponse {
     /// Number of nodes of all fibres together: the length of the arrays.
     fn nodes(&self) -> usize;
@@ -78,13 +116,17 @@ pub trait ImpulseResponse {
     /// [`RodError::Invalid`] for a point that is not on a fibre or if no step is under way.
     fn write_out(&mut self, points: &[Point]) -> Result<Vec<PointResponses>, RodError>;
 
-    /// Writes the 3 x 3 response of every node to an impulse on itself (1/kg), by selected
-    /// inversion.
+    /// Writes the 3 x 3 response of every node to an impulse on itself (1/kg), and of the mean
+    /// angular velocity of every segment to a moment on itself (1/(kg m^2)), by selected inversion.
     ///
     /// # Errors
     /// [`RodError::Length`] for an array of the wrong length, [`RodError::Invalid`] if no step is
     /// under way.
-    fn diagonal_blocks(&mut self, blocks: &mut [Matrix3<f64>]) -> Result<(), RodError>;
+    fn diagonal_blocks(
+        &mut self,
+        nodes: &mut [Matrix3<f64>],
+        segments: &mut [Matrix3<f64>],
+    ) -> Result<(), RodError>;
 
     /// Adds masses (kg, that is impulse per velocity) at points, in place of all masses added
     /// before, and factorises again for [`ImpulseResponse::weighted_respond_at`], whose response is

@@ -60,16 +60,14 @@ pub(super) fn fiber_rank(layout: &Layout, contact: &CapsuleContact) -> ContactKe
 
 fn fiber_touch(here: &Capsules, contact: &CapsuleContact) -> ContactPoint {
     let (sides, segments) = of_fibers(here.layout(), contact);
-    let arms = contact.pair.map(|segment| {
-        let capsule = here.get(segment as usize);
-        capsule.end - capsule.start
-    });
+    let capsules = contact.pair.map(|segment| here.get(segment as usize));
     ContactPoint {
         sides,
         segments,
         fractions: contact.fractions,
         normal: -*contact.normal,
-        arms,
+        arms: capsules.map(|capsule| capsule.end - capsule.start),
+        radii: capsules.map(|capsule| capsule.radius),
         gap: contact.gap,
         impulse: Vector3::zeros(),
         working: false,

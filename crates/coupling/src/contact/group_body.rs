@@ -140,12 +140,18 @@ impl Body for GroupBody<'_> {
         }
         let nodes = self.batch.nodes() / self.batch.rods().len();
         let mut blocks = vec![Matrix3::zeros(); self.batch.nodes()];
-        let answered = self.batch.diagonal_blocks(&mut blocks);
-        debug_assert!(answered.is_ok(), "there is a block for each node");
+        let mut turns = vec![Matrix3::zeros(); self.batch.nodes() - self.batch.rods().len()];
+        let answered = self.batch.diagonal_blocks(&mut blocks, &mut turns);
+        debug_assert!(answered.is_ok(), "there is a block for each node and segment");
         for (trace, point) in traces.iter_mut().zip(self.points) {
-            let first = point.fiber as usize * nodes + point.segment as usize;
+            let Point { fiber, segment, fraction, arm } = *point;
+            let segment = segment as usize;
+            let first = fiber as usize * nodes + segment;
             let [before, behind] = [first, first + 1].map(|i| blocks[i].trace());
-            *trace = before + point.fraction * (behind - before);
+            // Of the rotation `T` the trace of `hat(a)^T T hat(a)`.
+            let turn = &turns[fiber as usize * (nodes - 1) + segment];
+            let beside = arm.norm_squared() * turn.trace() - arm.dot(&(turn * arm));
+            *trace = before + fraction * (behind - before) + beside;
         }
     }
 
@@ -160,7 +166,7 @@ mod tests {
     use super::*;
     use nalgebra::Isometry3;
     use rapunzel_fiber::{Fiber, Material, Section};
-    use rapunzel_rod_dynamic::{Conditions, Instant, Rod, RodStepReport, Steady};
+    use rapunzel_rod_dynamic::{Conditions, Impulses, Instant, Rod, RodStepReport, Steady};
 
     const SEGMENTS: usize = 25;
 
@@ -174,7 +180,9 @@ mod tests {
         let conditions: Vec<&dyn Conditions> = vec![&hold; count];
         let mut reports = vec![RodStepReport::default(); count];
         let impulses = vec![Vector3::zeros(); count * (SEGMENTS + 1)];
-        batch.set_out(1e-3, &conditions, &impulses, &mut reports).expect("sound");
+        batch
+            .set_out(1e-3, &conditions, Impulses::on_nodes(&impulses), &mut reports)
+            .expect("sound");
         batch.linearize().expect("sound");
         batch
     }
@@ -185,7 +193,7 @@ mod tests {
         let mut batch = batch(1);
         for (count, written_out) in [(25, [true, true]), (30, [true, false]), (65, [false, false])]
         {
-            let point = |i: u32| Point { fiber: 0, segment: i % 25, fraction: 0.5 };
+            let point = |i: u32| Point::on_axis(0, i % 25, 0.5);
             let points: Vec<_> = (0..count).map(point).collect();
             let is_written = |few: bool| {
                 let mut written = None;
@@ -203,8 +211,13 @@ mod tests {
         let count = 3;
         let mut batch = batch(count);
 
-        let points = [(2, 24, 1.0), (0, 5, 0.5), (2, 7, 0.3), (0, 5, 0.6), (0, 0, 0.0)]
-            .map(|(fiber, segment, fraction)| Point { fiber, segment, fraction });
+        let points = [(2, 24, 1.0), (0, 5, 0.5), (2, 7, 0.3), (0, 5, 0.6), (0, 0, 0.0)].map(
+            |(fiber, segment, fraction)| Point {
+                // The first is on the axis.
+                arm: if segment == 24 { Vector3::zeros() } else { Vector3::new(0.0, 3e-5, 1e-5) },
+                ..Point::on_axis(fiber, segment, fraction)
+            },
+        );
         let mass = batch.rods()[0].fiber.mass();
         let masses = [0.3, 0.1, 0.0, 2.0, 1.0].map(|share| share * mass);
         let asked = [1.0, -2.0, 0.5, 0.7, 3.0].map(|x| Vector3::new(x, 1.0, -x) * mass);
@@ -251,7 +264,7 @@ mod tests {
             assert!(single != one, "that is of single precision");
         }
         assert!((one.1[0] - one.0[0]).norm() > 1e-2 * one.0[0].norm(), "masses matter");
-        // At nodes the traces are exact too.
+        // At nodes, on the axis, the traces are exact too.
         assert!((one.2[0] - other.2[0]).abs() < 1e-10 * other.2[0]);
     }
 }

@@ -30,7 +30,9 @@
 //! Objects are kinematic (they follow a given motion) or move freely (`free_body`): then they are
 //! bodies of the solver as the fibres are, and touch other objects too (`pair`).
 //!
-//! Contacts act on the axes of fibres: friction does not spin them.
+//! Contacts act at the surfaces of fibres: an impulse has a moment about the axis, and the slip is
+//! that of surfaces, spin included. A fibre without a clamp, which nothing keeps from spinning, is
+//! touched on its axis: it would turn many times in a step, which directors do not follow.
 
 mod adhesive_film;
 mod contact_work;

@@ -125,7 +125,7 @@ impl ContactStepper {
     ) -> Result<bool, CollisionError> {
         let mut laps = PhaseTimer::start(self.stopwatch);
         let mean = system.fibers.mean_velocities();
-        let ends = part.ends(system, &mean);
+        let ends = part.ends(system, &mean.nodes);
         let near = case.near(system, &mean, part.dt);
         let found = detection::gaps(&part.motion(system, &self.radii, &ends), &near)?;
         laps.lap(&mut self.times.detection);

@@ -1,10 +1,27 @@
-//! Arrays over all nodes of fibres, and what groups make of their parts of them.
+//! Arrays over all nodes and segments of fibres, and what groups make of their parts of them.
 
 use crate::contact_point::{BodyRef, ContactImpulse};
 use crate::{FiberGroup, Fibers};
 use nalgebra::{Point3, Vector3};
-use rapunzel_rod_dynamic::{ImpulseResponse, RodError, StaggeredBatch, StepError};
+use rapunzel_rod_dynamic::{ImpulseResponse, Impulses, RodError, StaggeredBatch, StepError};
 use rayon::prelude::*;
+use std::ops::Range;
+
+/// Velocities of all fibres, in the order of the assembly.
+pub(super) struct FiberVelocities {
+    /// Velocities of the nodes, m/s, world.
+    pub(super) nodes: Vec<Vector3<f64>>,
+    /// Angular velocities of the segments, rad/s, world.
+    pub(super) spins: Vec<Vector3<f64>>,
+}
+
+/// Impulses on all fibres, in the order of the assembly.
+struct FiberImpulses {
+    /// Impulses on the nodes, N s, world.
+    nodes: Vec<Vector3<f64>>,
+    /// Moments of impulses on the segments about their axes, N m s, world.
+    segments: Vec<Vector3<f64>>,
+}
 
 impl Fibers<StaggeredBatch> {
     /// Positions of all nodes, in the order of the assembly; at the start of a step that is being
@@ -16,23 +33,29 @@ impl Fibers<StaggeredBatch> {
         })
     }
 
-    /// Velocities of all nodes at the start of the step.
-    pub(super) fn velocities(&self) -> Vec<Vector3<f64>> {
-        self.of_nodes(Vector3::zeros(), |batch, own| {
+    /// Velocities at the start of the step.
+    pub(super) fn velocities(&self) -> FiberVelocities {
+        let nodes = self.of_nodes(Vector3::zeros(), |batch, own| {
             each_node(batch, own, |(_, velocity)| velocity);
             Ok(())
-        })
+        });
+        FiberVelocities { nodes, spins: self.of_segments(StaggeredBatch::start_spins) }
     }
 
-    /// Mean velocities of all nodes over the step as it has been solved so far.
-    pub(super) fn mean_velocities(&self) -> Vec<Vector3<f64>> {
-        self.of_nodes(Vector3::zeros(), StaggeredBatch::mean_velocities)
+    /// Mean velocities over the step as it has been solved so far.
+    pub(super) fn mean_velocities(&self) -> FiberVelocities {
+        FiberVelocities {
+            nodes: self.of_nodes(Vector3::zeros(), StaggeredBatch::mean_velocities),
+            spins: self.of_segments(StaggeredBatch::mean_spins),
+        }
     }
 
-    /// Mean velocities of all nodes over the step with the increments of the last linearisation,
-    /// m/s.
-    pub(super) fn linear_velocities(&self) -> Vec<Vector3<f64>> {
-        self.of_nodes(Vector3::zeros(), StaggeredBatch::linear_velocities)
+    /// Mean velocities over the step with the increments of the last linearisation.
+    pub(super) fn linear_velocities(&self) -> FiberVelocities {
+        FiberVelocities {
+            nodes: self.of_nodes(Vector3::zeros(), StaggeredBatch::linear_velocities),
+            spins: self.of_segments(StaggeredBatch::linear_spins),
+        }
     }
 
     fn of_nodes<T: Copy + Send + Sync>(
@@ -41,18 +64,41 @@ impl Fibers<StaggeredBatch> {
         read: impl Fn(&StaggeredBatch, &mut [T]) -> Result<(), RodError> + Sync,
     ) -> Vec<T> {
         let layout = self.assembly().layout();
+        let all = vec![none; layout.nodes()];
+        self.gathered(all, none, StaggeredBatch::nodes, read, |fiber| layout.node_range(fiber))
+    }
+
+    fn of_segments(
+        &self,
+        read: impl Fn(&StaggeredBatch, &mut [Vector3<f64>]) -> Result<(), RodError> + Sync,
+    ) -> Vec<Vector3<f64>> {
+        let (layout, none) = (self.assembly().layout(), Vector3::zeros());
+        let all = vec![none; layout.segments()];
+        let segments = |batch: &StaggeredBatch| batch.nodes() - batch.rods().len();
+        self.gathered(all, none, segments, read, |fiber| layout.segment_range(fiber))
+    }
+
+    /// What groups `read` of the nodes or segments of their fibres, of which a batch has a `count`;
+    /// those of a fibre have their `range` of all.
+    fn gathered<T: Copy + Send + Sync>(
+        &self,
+        mut all: Vec<T>,
+        none: T,
+        count: impl Fn(&StaggeredBatch) -> usize + Sync,
+        read: impl Fn(&StaggeredBatch, &mut [T]) -> Result<(), RodError> + Sync,
+        range: impl Fn(usize) -> Range<usize>,
+    ) -> Vec<T> {
         let own = |group: &FiberGroup<StaggeredBatch>| {
-            let mut own = vec![none; group.batch.nodes()];
+            let mut own = vec![none; count(&group.batch)];
             let done = read(&group.batch, &mut own);
-            debug_assert!(done.is_ok(), "there is one for each node");
+            debug_assert!(done.is_ok(), "there is one for each");
             own
         };
         let parts: Vec<_> = self.groups.par_iter().map(own).collect();
-        let mut all = vec![none; layout.nodes()];
         for (group, part) in self.groups.iter().zip(&parts) {
             let mut rest = &part[..];
             for &fiber in &group.fibers {
-                let range = layout.node_range(fiber);
+                let range = range(fiber);
                 let (head, tail) = rest.split_at(range.len());
                 all[range].copy_from_slice(head);
                 rest = tail;
@@ -61,20 +107,41 @@ impl Fibers<StaggeredBatch> {
         all
     }
 
-    /// What touches push on all nodes, N s.
-    fn impulses(&self, pushes: impl Iterator<Item = ContactImpulse>) -> Vec<Vector3<f64>> {
+    /// By fibre, the part whose surface contacts turn in the step under way, in segments from the
+    /// root: between its clamps, the sections in these left out. A fibre without a clamp, which
+    /// nothing keeps from spinning, has none.
+    pub(super) fn turning_parts(&self) -> Vec<Range<f64>> {
         let layout = self.assembly().layout();
-        let mut all = vec![Vector3::zeros(); layout.nodes()];
+        let part = |fiber: usize| {
+            let (group, lane) = self.lane(fiber);
+            let end = layout.segment_range(fiber).len() as f64;
+            match self.groups[group].batch.clamps(lane) {
+                [true, true] => f64::MIN_POSITIVE..end,
+                [true, false] => f64::MIN_POSITIVE..f64::INFINITY,
+                [false, true] => 0.0..end,
+                [false, false] => 0.0..0.0,
+            }
+        };
+        (0..layout.fibers()).map(part).collect()
+    }
+
+    /// What touches push on all fibres.
+    fn impulses(&self, pushes: impl Iterator<Item = ContactImpulse>) -> FiberImpulses {
+        let layout = self.assembly().layout();
+        let mut nodes = vec![Vector3::zeros(); layout.nodes()];
+        let mut segments = vec![Vector3::zeros(); layout.segments()];
         for push in pushes {
             for (side, impulse) in [push.impulse, -push.impulse].into_iter().enumerate() {
                 let BodyRef::Fiber(fiber) = push.sides[side] else { continue };
-                let (segment, fraction) = (push.segments[side], push.fractions[side]);
-                let node = layout.node_range(fiber as usize).start + segment as usize;
-                all[node] += impulse * (1.0 - fraction);
-                all[node + 1] += impulse * fraction;
+                let (fiber, segment) = (fiber as usize, push.segments[side] as usize);
+                let node = layout.node_range(fiber).start + segment;
+                nodes[node] += impulse * (1.0 - push.fractions[side]);
+                nodes[node + 1] += impulse * push.fractions[side];
+                let moment = push.levers[side].cross(&impulse);
+                segments[layout.segment_range(fiber).start + segment] += moment;
             }
         }
-        all
+        FiberImpulses { nodes, segments }
     }
 
     /// Lets every group do something, in parallel. Of several errors the first group's is told.
@@ -86,26 +153,26 @@ impl Fibers<StaggeredBatch> {
         results.into_iter().collect()
     }
 
-    /// Lets every group do something with the impulses on all its nodes, N s, in parallel. Of
-    /// several errors the first group's is told.
+    /// Lets every group do something with the impulses on all its fibres, in parallel. Of several
+    /// errors the first group's is told.
     pub(super) fn with_impulses<T: Send>(
         &mut self,
         pushes: impl Iterator<Item = ContactImpulse>,
-        act: impl Fn(&mut FiberGroup<StaggeredBatch>, &[Vector3<f64>]) -> Result<T, StepError>
-        + Sync
-        + Send,
+        act: impl Fn(&mut FiberGroup<StaggeredBatch>, Impulses) -> Result<T, StepError> + Sync + Send,
     ) -> Result<Vec<T>, StepError> {
-        let impulses = self.impulses(pushes);
-        let ranges: Vec<_> = (0..self.assembly().layout().fibers())
-            .map(|fiber| self.assembly().layout().node_range(fiber))
+        let FiberImpulses { nodes, segments } = self.impulses(pushes);
+        let layout = self.assembly().layout();
+        let ranges: Vec<_> = (0..layout.fibers())
+            .map(|fiber| (layout.node_range(fiber), layout.segment_range(fiber)))
             .collect();
         self.for_groups(|group| {
-            let own: Vec<_> = group
-                .fibers
-                .iter()
-                .flat_map(|&fiber| impulses[ranges[fiber].clone()].iter().copied())
-                .collect();
-            act(group, &own)
+            let (mut of_nodes, mut of_segments) = (Vec::new(), Vec::new());
+            for &fiber in &group.fibers {
+                let (own, between) = ranges[fiber].clone();
+                of_nodes.extend_from_slice(&nodes[own]);
+                of_segments.extend_from_slice(&segments[between]);
+            }
+            act(group, Impulses { nodes: &of_nodes, segments: &of_segments })
         })
     }
 }

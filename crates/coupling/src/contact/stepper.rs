@@ -5,6 +5,7 @@ use super::forcing_term::ForcingTerm;
 use super::initial_overlaps;
 use super::laws::ContactLaws;
 use super::leaps::refuse_leaps;
+use super::node_arrays::FiberVelocities;
 use super::problem::{ContactProblem, ProblemWorkspace};
 use super::substep::Substep;
 use super::substep_failure::{SubstepFailure, lost};
@@ -285,7 +286,7 @@ impl ContactStepper {
         0.5 * self.depth()
     }
 
-    /// The problem of contact points that were listed where nodes have the given mean velocities.
+    /// The problem of contact points that were listed where fibres have the given mean velocities.
     /// Their impulses act from now on and no others: some may have been expected of contact points
     /// that are gone.
     fn case(
@@ -293,7 +294,7 @@ impl ContactStepper {
         system: &mut CoupledSystem,
         part: &Substep,
         expected: &ExpectedImpulses,
-        mean: &[Vector3<f64>],
+        mean: &FiberVelocities,
         points: Vec<ContactPoint>,
         room: ProblemWorkspace,
     ) -> Result<ContactProblem, SubstepFailure> {
@@ -321,7 +322,7 @@ impl ContactStepper {
         let mut laps = PhaseTimer::start(self.stopwatch);
         let mut points = std::mem::take(&mut self.points);
         // Lists take much room: the velocities go before, and come again.
-        let ends = part.ends(system, &system.fibers.mean_velocities());
+        let ends = part.ends(system, &system.fibers.mean_velocities().nodes);
         let motion = part.motion(system, &self.radii, &ends);
         self.detector.detect(&motion, system.objects, &mut points)?;
         match_cached(expected, &mut points);
@@ -338,7 +339,7 @@ impl ContactStepper {
         bearing: &[ContactPoint],
     ) -> Result<Overlaps, CollisionError> {
         let mut laps = PhaseTimer::start(self.stopwatch);
-        let ends = part.ends(system, &system.fibers.mean_velocities());
+        let ends = part.ends(system, &system.fibers.mean_velocities().nodes);
         let motion = part.motion(system, &self.radii, &ends);
         let shallow = self.shallow();
         let mut found = self.detector.overlaps(&motion, system.objects, shallow)?;

@@ -169,6 +169,7 @@ mod tests {
                 fractions: [0.5 * f64::from(place % 2); 2],
                 normal: Vector3::z() * if up { 1.0 } else { -1.0 },
                 arms: [Vector3::x(); 2],
+                radii: [0.0; 2],
                 gap: 0.2,
                 impulse: Vector3::zeros(),
                 working: false,

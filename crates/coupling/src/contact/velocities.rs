@@ -1,3 +1,4 @@
+use super::node_arrays::FiberVelocities;
 use super::system::CoupledSystem;
 use crate::contact_point::{BodyRef, ContactPoint};
 use crate::object::ObjectMotion;
@@ -5,28 +6,28 @@ use nalgebra::Vector3;
 use rapunzel_contact::RigidBody;
 use rapunzel_fiber::Layout;
 
-/// How fast all nodes and objects are.
+/// How fast all fibres and objects are.
 pub(super) struct Velocities<'a> {
     layout: &'a Layout,
-    nodes: &'a [Vector3<f64>],
+    fibers: &'a FiberVelocities,
     /// Velocities of the centers of mass, m/s, and about them, rad/s; zero for given motions.
     objects: Vec<[Vector3<f64>; 2]>,
 }
 
 impl<'a> Velocities<'a> {
-    /// Velocities of given nodes, m/s, and of objects as they have been solved so far.
-    pub(super) fn new(system: &'a CoupledSystem<'_>, nodes: &'a [Vector3<f64>]) -> Self {
-        Self::of(system, nodes, |[_, solved]| solved)
+    /// Given velocities of fibres, and of objects as they have been solved so far.
+    pub(super) fn new(system: &'a CoupledSystem<'_>, fibers: &'a FiberVelocities) -> Self {
+        Self::of(system, fibers, |[_, solved]| solved)
     }
 
-    /// Velocities of given nodes, m/s, and of objects at the start of the step.
-    pub(super) fn before(system: &'a CoupledSystem<'_>, nodes: &'a [Vector3<f64>]) -> Self {
-        Self::of(system, nodes, |[state, _]| state)
+    /// Given velocities of fibres, and of objects at the start of the step.
+    pub(super) fn before(system: &'a CoupledSystem<'_>, fibers: &'a FiberVelocities) -> Self {
+        Self::of(system, fibers, |[state, _]| state)
     }
 
     fn of(
         system: &'a CoupledSystem<'_>,
-        nodes: &'a [Vector3<f64>],
+        fibers: &'a FiberVelocities,
         chosen: impl Fn([&'a RigidBody; 2]) -> &'a RigidBody,
     ) -> Self {
         let objects = system.objects.iter().map(|object| match &object.motion {
@@ -38,21 +39,24 @@ impl<'a> Velocities<'a> {
             }
             ObjectMotion::Kinematic(_) => [Vector3::zeros(); 2],
         });
-        Self { layout: system.fibers.assembly().layout(), nodes, objects: objects.collect() }
+        Self { layout: system.fibers.assembly().layout(), fibers, objects: objects.collect() }
     }
 
     /// Velocities of all nodes, m/s.
     pub(super) fn nodes(&self) -> &'a [Vector3<f64>] {
-        self.nodes
+        &self.fibers.nodes
     }
 
     /// Velocity of a side of a contact point, m/s; zero for an object with a given motion.
     pub(super) fn of_side(&self, point: &ContactPoint, side: usize) -> Vector3<f64> {
         match point.sides[side] {
             BodyRef::Fiber(fiber) => {
-                let first = self.layout.node_range(fiber as usize).start;
-                let node = first + point.segments[side] as usize;
-                self.nodes[node].lerp(&self.nodes[node + 1], point.fractions[side])
+                let (fiber, segment) = (fiber as usize, point.segments[side] as usize);
+                let (nodes, spins) = (&self.fibers.nodes, &self.fibers.spins);
+                let node = self.layout.node_range(fiber).start + segment;
+                let spin = spins[self.layout.segment_range(fiber).start + segment];
+                let of_axis = nodes[node].lerp(&nodes[node + 1], point.fractions[side]);
+                of_axis + spin.cross(&point.lever(side))
             }
             BodyRef::Object(object) => {
                 let [velocity, omega] = self.objects[object as usize];

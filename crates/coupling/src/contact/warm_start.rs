@@ -238,6 +238,7 @@ mod tests {
     fn point(CachedImpulse { push, bonded }: CachedImpulse) -> ContactPoint {
         let ContactImpulse { sides, segments, fractions, impulse, .. } = push;
         let (normal, arms, gap) = (Vector3::zeros(), [Vector3::zeros(); 2], 0.0);
+        let radii = [0.0; 2];
         let (working, kinematic) = (false, false);
         ContactPoint {
             sides,
@@ -245,6 +246,7 @@ mod tests {
             fractions,
             normal,
             arms,
+            radii,
             gap,
             impulse,
             working,

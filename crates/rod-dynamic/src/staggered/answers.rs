@@ -7,6 +7,7 @@ use crate::{Point, PointResponses};
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use pulp::Simd;
 use pulp::bytemuck::{self, Zeroable};
+use rapunzel_fiber::so3;
 use std::ops::RangeInclusive;
 
 /// Mean velocities (m/s, world frame) that impulses (N s) at the start of the step cause, to first
@@ -14,8 +15,14 @@ use std::ops::RangeInclusive;
 pub(super) trait BatchResponse {
     /// Velocities of all nodes for impulses on them, fibre by fibre.
     fn respond(&mut self, fibers: usize, impulses: &[Vector3<f64>], out: &mut [Vector3<f64>]);
-    /// 3 x 3 response of every node to an impulse on itself, 1/kg, fibre by fibre.
-    fn diagonal_blocks(&mut self, fibers: usize, blocks: &mut [Matrix3<f64>]);
+    /// 3 x 3 response of every node to an impulse on itself, 1/kg, and of every segment to a moment
+    /// on itself, 1/(kg m^2), fibre by fibre.
+    fn diagonal_blocks(
+        &mut self,
+        fibers: usize,
+        nodes: &mut [Matrix3<f64>],
+        segments: &mut [Matrix3<f64>],
+    );
     /// Velocities of points for impulses on them, in any order.
     fn respond_at(
         &mut self,
@@ -41,6 +48,7 @@ impl<S: Simd> BatchResponse for SimdBatch<S> {
                 }
             }
         }
+        self.chain.room.turns.fill(S::f64s::zeroed());
         self.ask(Question::Respond(Inertia::Own, 0));
         for (lane, out) in out.chunks_exact_mut(nodes).enumerate().take(fibers) {
             for (from, to) in lanes(&mut self.chain.room.values).zip(out) {
@@ -51,14 +59,22 @@ impl<S: Simd> BatchResponse for SimdBatch<S> {
         }
     }
 
-    fn diagonal_blocks(&mut self, fibers: usize, blocks: &mut [Matrix3<f64>]) {
+    fn diagonal_blocks(
+        &mut self,
+        fibers: usize,
+        nodes: &mut [Matrix3<f64>],
+        segments: &mut [Matrix3<f64>],
+    ) {
         self.ask(Question::Blocks);
-        let nodes = self.chain.n + 1;
-        for (lane, blocks) in blocks.chunks_exact_mut(nodes).enumerate().take(fibers) {
-            for (a, block) in blocks.iter_mut().enumerate() {
-                let entry = |i: usize| at(&self.chain.room.blocks, 6 * a + i, lane);
-                let (xy, xz, yz) = (entry(3), entry(4), entry(5));
-                *block = Matrix3::new(entry(0), xy, xz, xy, entry(1), yz, xz, yz, entry(2));
+        let (n, room) = (self.chain.n, &self.chain.room);
+        let parts = [(nodes, n + 1, &room.blocks), (segments, n, &room.turn_blocks)];
+        for (blocks, count, array) in parts {
+            for (lane, blocks) in blocks.chunks_exact_mut(count).enumerate().take(fibers) {
+                for (a, block) in blocks.iter_mut().enumerate() {
+                    let entry = |i: usize| at(array, 6 * a + i, lane);
+                    let (xy, xz, yz) = (entry(3), entry(4), entry(5));
+                    *block = Matrix3::new(entry(0), xy, xz, xy, entry(1), yz, xz, yz, entry(2));
+                }
             }
         }
     }
@@ -74,8 +90,14 @@ impl<S: Simd> BatchResponse for SimdBatch<S> {
         let values = bytemuck::cast_slice_mut::<S::f64s, f64>(&mut self.chain.room.values);
         // The node before is read too, as the end of the first segment that is solved for.
         values[3 * S::F64_LANES * from.saturating_sub(1)..].fill(0.0);
+        let turns = bytemuck::cast_slice_mut::<S::f64s, f64>(&mut self.chain.room.turns);
+        turns[3 * S::F64_LANES * from.saturating_sub(1)..].fill(0.0);
         for (point, impulse) in points.iter().zip(impulses) {
             let node = &mut values[both_nodes::<S>(point)];
+            let (turn, moment) = (&mut turns[segment::<S>(point)], point.arm.cross(impulse));
+            for i in 0..3 {
+                turn[i * S::F64_LANES] += moment[i];
+            }
             for i in 0..3 {
                 let behind = point.fraction * impulse[i];
                 node[i * S::F64_LANES] += impulse[i] - behind;
@@ -84,12 +106,15 @@ impl<S: Simd> BatchResponse for SimdBatch<S> {
         }
         self.ask(Question::Respond(inertia, from));
         let values = bytemuck::cast_slice::<S::f64s, f64>(&self.chain.room.values);
+        let turns = bytemuck::cast_slice::<S::f64s, f64>(&self.chain.room.turns);
         for (point, out) in points.iter().zip(out) {
-            let node = &values[both_nodes::<S>(point)];
+            let (node, turn) = (&values[both_nodes::<S>(point)], &turns[segment::<S>(point)]);
             for i in 0..3 {
                 let (before, behind) = (node[i * S::F64_LANES], node[(3 + i) * S::F64_LANES]);
                 out[i] = before + point.fraction * (behind - before);
             }
+            let turn = Vector3::from_fn(|i, _| turn[i * S::F64_LANES]);
+            *out += turn.cross(&point.arm);
         }
     }
 
@@ -116,9 +141,18 @@ impl<S: Simd> BatchResponse for SimdBatch<S> {
             let from = now().map(|&i| points[i].segment as usize).min().unwrap_or(0);
             // The node before is read too, as the end of the first segment that is solved for.
             columns.values[9 * from.saturating_sub(1)..].fill(S::f64s::zeroed());
-            // Unit impulses along x, y and z at the present point of each fibre.
+            columns.turns[9 * from.saturating_sub(1)..].fill(S::f64s::zeroed());
+            // Unit impulses along x, y and z at the present point of each fibre, with their
+            // moments.
             for &i in now() {
-                let Point { fiber, segment, fraction } = points[i];
+                let Point { fiber, segment, fraction, arm } = points[i];
+                let moments = so3::hat(&arm);
+                for (k, moment) in moments.column_iter().enumerate() {
+                    for i in 0..3 {
+                        let at = 9 * segment as usize + 3 * k + i;
+                        set(&mut columns.turns, at, fiber as usize, moment[i]);
+                    }
+                }
                 for (node, share) in [(0, 1.0 - fraction), (1, fraction)] {
                     let first = 9 * (segment as usize + node);
                     for k in 0..3 {
@@ -131,12 +165,15 @@ impl<S: Simd> BatchResponse for SimdBatch<S> {
             // symmetry.
             for (lane, one) in all.iter_mut().enumerate() {
                 for row in turn..one.points.len() {
-                    let Point { segment, fraction, .. } = points[one.points[row]];
-                    let value = |i: usize| at(&columns.values, 9 * segment as usize + i, lane);
+                    let Point { segment, fraction, arm, .. } = points[one.points[row]];
+                    let first = 9 * segment as usize;
+                    let value = |i: usize| at(&columns.values, first + i, lane);
                     for k in 0..3 {
+                        let spin = |i: usize, _| at(&columns.turns, first + 3 * k + i, lane);
+                        let beside = Vector3::from_fn(spin).cross(&arm);
                         for i in 0..3 {
                             let (before, behind) = (value(3 * k + i), value(9 + 3 * k + i));
-                            let answer = before + fraction * (behind - before);
+                            let answer = before + fraction * (behind - before) + beside[i];
                             one.matrix[(3 * row + i, 3 * turn + k)] = answer;
                             one.matrix[(3 * turn + k, 3 * row + i)] = answer;
                         }
@@ -158,4 +195,10 @@ impl<S: Simd> BatchResponse for SimdBatch<S> {
 fn both_nodes<S: Simd>(point: &Point) -> RangeInclusive<usize> {
     let first = 3 * S::F64_LANES * point.segment as usize + point.fiber as usize;
     first..=first + 5 * S::F64_LANES
+}
+
+/// Index range, in an array of vectors, of all numbers of the segment of a point.
+fn segment<S: Simd>(point: &Point) -> RangeInclusive<usize> {
+    let first = 3 * S::F64_LANES * point.segment as usize + point.fiber as usize;
+    first..=first + 2 * S::F64_LANES
 }

@@ -225,6 +225,7 @@ impl<S: Simd> RotationChain<S> {
                 if j == 1 {
                     torque += self.world(ends.root_moment, d);
                 }
+                torque += self.vec_or_zero(&self.room.torque, e);
                 let mut load = zero;
                 if j == n {
                     torque += self.world(ends.tip_moment, d);
@@ -274,7 +275,7 @@ impl<S: Simd> RotationChain<S> {
         }
         // Back substitution of the block tridiagonal system, from tip to root.
         let Kept { factor, coupling, w, step, .. } = &mut self.kept;
-        factor.back_substitute(simd, &Right { b: coupling, w }, &self.room.rhs, step);
+        factor.back_substitute(simd, &Right { b: coupling, w, moments: &[] }, &self.room.rhs, step);
         (potential, signature)
     }
 

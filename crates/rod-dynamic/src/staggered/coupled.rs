@@ -1,11 +1,13 @@
 //! Steps in Newton iterations, for a contact solver between them.
 
 use super::batch::StaggeredBatch;
+use super::erased_batch::ErasedBatch;
 use super::response::Inertia;
 use super::scheme::StepProblem;
 use super::search::SearchOutcome;
 use crate::{
-    Conditions, ImpulseResponse, Point, PointResponses, RodError, RodStepReport, StepError,
+    Conditions, ImpulseResponse, Impulses, Point, PointResponses, RodError, RodStepReport,
+    StepError,
 };
 use nalgebra::{Matrix3, Vector3};
 use rapunzel_lanes::LANES;
@@ -13,14 +15,15 @@ use rapunzel_lanes::LANES;
 const NOT_UNDER_WAY: &str = "none is under way: set out on one";
 
 impl StaggeredBatch {
-    /// Starts a step of `dt` seconds with `impulses` (N s, one per node) at its start, at the
-    /// predicted shape, without solving it: [`Self::linearize`] and [`Self::advance`] do that, one
-    /// Newton iteration after another, until [`Self::accept`] or [`Self::abandon`]. Such a step is
-    /// not halved, since bodies in contact must take the same step.
+    /// Starts a step of `dt` seconds with `impulses` at its start, at the predicted shape, without
+    /// solving it: [`Self::linearize`] and [`Self::advance`] do that, one Newton iteration after
+    /// another, until [`Self::accept`] or [`Self::abandon`]. Such a step is not halved, since
+    /// bodies in contact must take the same step.
     ///
     /// # Errors
     /// [`StepError`] for conditions and impulses that make no sense: [`StepError::Conditions`] for
-    /// impulses that are not one a node or not finite. The fibres are then as before.
+    /// impulses that are not one a node, moments that are neither none nor one a segment, or what
+    /// is not finite. The fibres are then as before.
     ///
     /// # Panics
     /// If there are fewer conditions or reports than fibres.
@@ -28,7 +31,7 @@ impl StaggeredBatch {
         &mut self,
         dt: f64,
         conditions: &[&dyn Conditions],
-        impulses: &[Vector3<f64>],
+        impulses: Impulses,
         reports: &mut [RodStepReport],
     ) -> Result<(), StepError> {
         self.fresh_before = self.fresh;
@@ -55,12 +58,12 @@ impl StaggeredBatch {
         self.largest(&turns)
     }
 
-    /// Replaces the impulses (N s, one per node) of the step under way. The shape is unchanged: the
+    /// Replaces the impulses of the step under way. The shape is unchanged: the
     /// impulses enter the next [`Self::linearize`].
     ///
     /// # Errors
     /// As [`Self::set_out`] for impulses that make no sense.
-    pub fn press(&mut self, impulses: &[Vector3<f64>]) -> Result<(), StepError> {
+    pub fn press(&mut self, impulses: Impulses) -> Result<(), StepError> {
         self.check_under_way()?;
         self.set_impulses(impulses)
     }
@@ -81,12 +84,12 @@ impl StaggeredBatch {
         Ok(())
     }
 
-    /// Takes the increments of the last linearisation, with these impulses (N s, one per node) in
+    /// Takes the increments of the last linearisation, with these impulses in
     /// place of those it had. Returns the largest increment, rad; those above 1 are shortened.
     ///
     /// # Errors
     /// [`StepError`] as [`Self::set_out`] and [`Self::linearize`].
-    pub fn advance(&mut self, impulses: &[Vector3<f64>]) -> Result<f64, StepError> {
+    pub fn advance(&mut self, impulses: Impulses) -> Result<f64, StepError> {
         self.check_impulses(impulses)?;
         self.check_under_way()?;
         let fibers = self.rods.len();
@@ -165,25 +168,84 @@ impl StaggeredBatch {
         Ok(())
     }
 
-    fn check_impulses(&self, impulses: &[Vector3<f64>]) -> Result<(), StepError> {
-        let time = self.time();
-        let nodes = self.nodes() / self.rods().len();
+    fn check_impulses(&self, impulses: Impulses) -> Result<(), StepError> {
+        let (time, fibers) = (self.time(), self.rods().len());
+        let segments = self.nodes() / fibers - 1;
         let error = |fiber, why| Err(StepError::Conditions { fiber, what: "impulses", time, why });
-        if impulses.len() != self.nodes() {
-            let fiber = (impulses.len() / nodes).min(self.rods().len() - 1);
-            return error(fiber, "there must be one for each node of each fibre");
-        }
-        if let Some(k) = impulses.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
-            return error(k / nodes, "must be finite (N s)");
+        let none = impulses.segments.is_empty();
+        let parts = [
+            (impulses.nodes, segments + 1, "there must be one for each node of each fibre", false),
+            (impulses.segments, segments, "there must be a moment for each segment or none", none),
+        ];
+        for (vectors, each, count, skipped) in parts {
+            if vectors.len() != fibers * each && !skipped {
+                return error((vectors.len() / each).min(fibers - 1), count);
+            }
+            if let Some(k) = vectors.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
+                return error(k / each, "must be finite (N s, N m s)");
+            }
         }
         Ok(())
     }
 
-    fn set_impulses(&mut self, impulses: &[Vector3<f64>]) -> Result<(), StepError> {
+    fn set_impulses(&mut self, impulses: Impulses) -> Result<(), StepError> {
         self.check_impulses(impulses)?;
-        let nodes = self.nodes() / self.rods().len();
-        for (fiber, impulses) in impulses.chunks(nodes).enumerate() {
-            self.engine.set_impulses(fiber, impulses);
+        let segments = self.rods()[0].fiber.segments();
+        for fiber in 0..self.rods().len() {
+            self.engine.set_impulses(fiber, impulses.of_fiber(fiber, segments));
+        }
+        Ok(())
+    }
+
+    /// Whether the root and the tip of a fibre are clamped in the step under way.
+    ///
+    /// # Panics
+    /// If there is no such fibre, as indexing does.
+    #[must_use]
+    pub fn clamps(&self, fiber: usize) -> [bool; 2] {
+        self.engine.clamps(fiber)
+    }
+
+    /// Angular velocities of all segments at the start of the step under way, rad/s, world.
+    ///
+    /// # Errors
+    /// [`RodError::Length`] for an array of the wrong length.
+    pub fn start_spins(&self, spins: &mut [Vector3<f64>]) -> Result<(), RodError> {
+        self.write_spins(spins, |engine, fiber, segment| engine.spin(fiber, segment))
+    }
+
+    /// Mean angular velocities of all segments over the step under way, rad/s, world: rotation over
+    /// its length.
+    ///
+    /// # Errors
+    /// [`RodError::Length`] for an array of the wrong length.
+    pub fn mean_spins(&self, spins: &mut [Vector3<f64>]) -> Result<(), RodError> {
+        self.write_spins(spins, |engine, fiber, segment| {
+            engine.rotation_vector(fiber, segment) / self.predicted
+        })
+    }
+
+    /// Mean angular velocities of all segments over the step if the increments of the last
+    /// linearisation were taken, to first order, rad/s, world.
+    ///
+    /// # Errors
+    /// [`RodError::Length`] for an array of the wrong length.
+    pub fn linear_spins(&self, spins: &mut [Vector3<f64>]) -> Result<(), RodError> {
+        self.write_spins(spins, |engine, fiber, segment| {
+            engine.linear_rotation(fiber, segment) / self.predicted
+        })
+    }
+
+    fn write_spins(
+        &self,
+        spins: &mut [Vector3<f64>],
+        of: impl Fn(&dyn ErasedBatch, usize, usize) -> Vector3<f64>,
+    ) -> Result<(), RodError> {
+        self.check_step()?;
+        let segments = self.rods()[0].fiber.segments();
+        check("spins", self.rods().len() * segments, spins.len())?;
+        for (k, spin) in spins.iter_mut().enumerate() {
+            *spin = of(&*self.engine, k / segments, k % segments);
         }
         Ok(())
     }
@@ -232,12 +294,12 @@ impl StaggeredBatch {
         let (mut fiber, mut segment, mut sound) = (0, 0, true);
         for p in points {
             (fiber, segment) = (p.fiber.max(fiber), p.segment.max(segment));
-            sound &= (0.0..=1.0).contains(&p.fraction);
+            sound &= (0.0..=1.0).contains(&p.fraction) && p.arm.sum().is_finite();
         }
         if sound && (fiber as usize) < fibers && (segment as usize) < segments {
             return Ok(());
         }
-        let why = "each needs a fibre, a segment and a fraction in 0..=1";
+        let why = "each needs a fibre, a segment, a fraction in 0..=1 and a finite arm";
         Err(RodError::Invalid { what: "points", why })
     }
 
@@ -286,11 +348,16 @@ impl ImpulseResponse for StaggeredBatch {
         Ok(())
     }
 
-    fn diagonal_blocks(&mut self, blocks: &mut [Matrix3<f64>]) -> Result<(), RodError> {
-        check("blocks", self.nodes(), blocks.len())?;
-        self.check_step()?;
+    fn diagonal_blocks(
+        &mut self,
+        nodes: &mut [Matrix3<f64>],
+        segments: &mut [Matrix3<f64>],
+    ) -> Result<(), RodError> {
         let fibers = self.rods.len();
-        self.working(|batch| batch.engine.diagonal_blocks(fibers, blocks));
+        check("nodes", self.nodes(), nodes.len())?;
+        check("segments", self.nodes() - fibers, segments.len())?;
+        self.check_step()?;
+        self.working(|batch| batch.engine.diagonal_blocks(fibers, nodes, segments));
         Ok(())
     }
 

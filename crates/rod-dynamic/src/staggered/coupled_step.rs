@@ -12,6 +12,7 @@ use super::response::Inertia;
 use super::scheme::StepProblem;
 use super::search::Search;
 use super::simd_batch::SimdBatch;
+use crate::Impulses;
 use nalgebra::Vector3;
 use pulp::bytemuck::Zeroable;
 use pulp::{NullaryFnOnce, Simd};
@@ -30,9 +31,9 @@ pub(super) trait BatchCoupledStep {
     /// Solves Newton's equations at the present shape, without taking the increments. Returns the
     /// largest increment of each lane, rad.
     fn linearize(&mut self) -> [f64; LANES];
-    /// Takes the increments of the last linearisation, with other impulses (N s, one a node, fibre
-    /// by fibre) than those it had. Returns the largest increment of each lane, rad.
-    fn advance(&mut self, fibers: usize, impulses: &[Vector3<f64>]) -> [f64; LANES];
+    /// Takes the increments of the last linearisation, with other impulses on `fibers` fibres than
+    /// those it had. Returns the largest increment of each lane, rad.
+    fn advance(&mut self, fibers: usize, impulses: Impulses) -> [f64; LANES];
     /// Recomputes the shape that the last call of a step has reached, so that it can be committed.
     fn arrive(&mut self);
 }
@@ -85,17 +86,28 @@ impl<S: Simd> BatchCoupledStep for SimdBatch<S> {
         self.chain.simd.vectorize(Linearize(self))
     }
 
-    fn advance(&mut self, fibers: usize, impulses: &[Vector3<f64>]) -> [f64; LANES] {
-        let nodes = self.chain.n + 1;
+    fn advance(&mut self, fibers: usize, impulses: Impulses) -> [f64; LANES] {
+        let n = self.chain.n;
         self.chain.room.values.fill(S::f64s::zeroed());
-        for (lane, impulses) in impulses.chunks_exact(nodes).enumerate().take(fibers) {
-            for (a, impulse) in impulses.iter().enumerate() {
+        self.chain.room.turns.fill(S::f64s::zeroed());
+        for lane in 0..fibers {
+            let own = impulses.of_fiber(lane, n);
+            for (a, impulse) in own.nodes.iter().enumerate() {
                 let change = impulse - self.vector(&self.impulses, a, lane);
                 for i in 0..3 {
                     set(&mut self.chain.room.values, 3 * a + i, lane, change[i]);
                 }
             }
-            self.set_impulses(lane, impulses);
+            let known = self.moments.len() / 3;
+            for e in 0..known.max(own.segments.len()) {
+                let before =
+                    if known > e { self.vector(&self.moments, e, lane) } else { Vector3::zeros() };
+                let change = own.segments.get(e).copied().unwrap_or_default() - before;
+                for i in 0..3 {
+                    set(&mut self.chain.room.turns, 3 * e + i, lane, change[i]);
+                }
+            }
+            self.set_impulses(lane, own);
         }
         self.take_increments()
     }

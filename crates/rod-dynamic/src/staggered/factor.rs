@@ -9,6 +9,7 @@
 //! 220 multiplications a segment to factor, 80 to solve once more, 380 for a block of the inverse.
 
 use super::array::{Array, fit, store, zeros};
+use super::joint_geometry::hat;
 use pulp::Simd;
 use rapunzel_lanes::{Lane, M3, Sym, V3};
 use std::ops::Sub;
@@ -66,12 +67,28 @@ pub(super) struct Factor<S: Simd> {
 
 const STRIDE: usize = 21;
 
-/// Off-diagonal blocks to the right of all segments. Masses added at points leave `B` unchanged.
+/// Off-diagonal blocks to the right of all segments.
+///
+/// Masses added on the axis leave `B` unchanged. A mass `m` at the arm `a` beside it couples node
+/// and rotation by the moments `x = c1 m (1 - f) a` of the node before and `y = c1 m f a` of the
+/// node behind: where a node is eliminated its force has the part `x x dtheta` of the segment
+/// behind it and `y x dtheta` of the segment before it. The block is then `[[w E, 0], [w hat(y),
+/// B]] [[E, hat(x')], [0, E]]`, with `x'` of the next segment.
 pub(super) struct Right<'a, S: Simd> {
     /// `B` by rows (9 per segment).
     pub(super) b: &'a [S::f64s],
     /// Inverse masses of all nodes: `w` of a segment is the value of the node behind it.
     pub(super) w: &'a [S::f64s],
+    /// `x` and `y` (6 per segment); empty without masses beside the axis.
+    pub(super) moments: &'a [S::f64s],
+}
+
+impl<S: Simd> Right<'_, S> {
+    /// Moments `x` and `y` of segment `e`.
+    #[inline(always)]
+    pub(super) fn moments(&self, simd: S, e: usize) -> [V3<S>; 2] {
+        [0, 1].map(|k| V3::load(simd, self.moments, 2 * e + k))
+    }
 }
 
 impl<S: Simd> Factor<S> {
@@ -85,9 +102,9 @@ impl<S: Simd> Factor<S> {
         self.n = n;
     }
 
-    /// Eliminates segment `e`, whose block already lacks the contribution of its predecessor.
-    /// Returns the contribution to subtract from the next block, the eliminated right-hand side,
-    /// and the signature of the pivots.
+    /// Eliminates segment `e`, whose block already lacks the contribution of its predecessor; the
+    /// block to its right has no moments. Returns the contribution to subtract from the next block,
+    /// the eliminated right-hand side, and the signature of the pivots.
     #[inline(always)]
     pub(super) fn eliminate(
         &mut self,
@@ -129,6 +146,35 @@ impl<S: Simd> Factor<S> {
         (next, [force, turn], of_forces + of_turns)
     }
 
+    /// The contribution that eliminating segment `e` has to the next block, less its loads, where
+    /// the block to the right has moments: `x` of the segment behind and `y`.
+    #[inline(always)]
+    pub(super) fn contribution(&self, simd: S, right: &Right<S>, e: usize) -> DiagonalBlock<S> {
+        let row = self.row(simd, right, e);
+        let zero = V3::splat(simd, 0.0);
+        let [x, y] = row.moments.unwrap_or([zero; 2]);
+        let (Inverse { ff, ft, tt }, x, y) = (row.inverse, hat(x), hat(y));
+        // D^-1 [[E, 0], [hat(y), B]], where only w is left out, then the same from the left.
+        let (force, turn) = (ff.full() + ft.times(y), ft.transposed() + tt.times(y));
+        let inner = Sym::symmetric_part(force - y.times(turn)).scale(row.w * row.w);
+        let (force, turn) = (ft.times(row.b), tt.times(row.b));
+        let beside = (force - y.times(turn)).scale(row.w);
+        let outer = Sym::transposed_product(row.b, turn);
+        // [[E, hat(x)], [0, E]] from both sides.
+        let inner_x = inner.times(x);
+        let across = beside.transposed().times(x);
+        let stiffness = Sym::symmetric_part(M3::splat(simd, 0.0) - x.times(inner_x))
+            + Sym::twice_symmetric_part(across)
+            + outer;
+        DiagonalBlock {
+            compliance: inner,
+            lever: inner_x + beside,
+            stiffness,
+            load: zero,
+            torque: zero,
+        }
+    }
+
     #[inline(always)]
     fn row(&self, simd: S, right: &Right<S>, e: usize) -> Row<S> {
         let row = &self.data[STRIDE * e..STRIDE * (e + 1)];
@@ -140,7 +186,19 @@ impl<S: Simd> Factor<S> {
             },
             b: matrix(simd, &right.b[9 * e..9 * (e + 1)]),
             w: Lane::new(simd, right.w[e + 1]),
+            moments: self.moments_behind(simd, right, e),
         }
+    }
+
+    /// Moments `x` of the segment behind `e`, zero behind the last one, and `y` of `e` itself.
+    #[inline(always)]
+    fn moments_behind(&self, simd: S, right: &Right<S>, e: usize) -> Option<[V3<S>; 2]> {
+        if right.moments.is_empty() {
+            return None;
+        }
+        let zero = V3::splat(simd, 0.0);
+        let x = if e + 1 < self.n { right.moments(simd, e + 1)[0] } else { zero };
+        Some([x, right.moments(simd, e)[1]])
     }
 
     /// Back substitution from the eliminated right-hand sides `rhs`; `rhs` and `x` have 6 entries
@@ -162,8 +220,8 @@ impl<S: Simd> Factor<S> {
         }
     }
 
-    /// Solves for `K` sets of loads on the constraint rows (3 per segment and set), without
-    /// torques, in segment `first` and those behind it. Segments before it must have no load.
+    /// Solves for `K` sets of loads and torques (6 per segment and set) in segment `first` and
+    /// those behind it. Segments before it must have none.
     #[inline(always)]
     pub(super) fn solve<const K: usize>(
         &self,
@@ -180,7 +238,8 @@ impl<S: Simd> Factor<S> {
             let row = self.row(simd, right, e);
             for (k, carry) in carry.iter_mut().enumerate() {
                 let i = K * e + k;
-                let (load, torque) = (V3::load(simd, loads, i) - carry[0], zero - carry[1]);
+                let load = V3::load(simd, loads, 2 * i) - carry[0];
+                let torque = V3::load(simd, loads, 2 * i + 1) - carry[1];
                 let [force, turn] = row.inverse.apply(load, torque);
                 store(x, 2 * i, force);
                 store(x, 2 * i + 1, turn);
@@ -200,9 +259,10 @@ impl<S: Simd> Factor<S> {
         }
     }
 
-    /// Computes the force-force blocks of the inverse matrix: diagonal (6 per segment) and, in the
-    /// row of the segment before, to its right (9). Diagonal blocks are kept symmetric: without
-    /// that the recursion loses its digits along the fibre.
+    /// Computes blocks of the inverse matrix without masses beside the axis: on the diagonal
+    /// between forces and between turns (12 per segment) and, in the row of the segment before,
+    /// between forces to its right (9). Diagonal blocks are kept symmetric: without that the
+    /// recursion loses its digits along the fibre.
     #[inline(always)]
     pub(super) fn inverse_blocks(
         &self,
@@ -224,7 +284,8 @@ impl<S: Simd> Factor<S> {
             }
             behind = here;
             for i in 0..6 {
-                diagonal[6 * e + i] = behind.ff.0[i].value;
+                diagonal[12 * e + i] = behind.ff.0[i].value;
+                diagonal[12 * e + 6 + i] = behind.tt.0[i].value;
             }
         }
     }
@@ -270,6 +331,8 @@ struct Row<S: Simd> {
     inverse: Inverse<S>,
     b: M3<S>,
     w: Lane<S>,
+    /// Moments `x` of the segment behind and `y`, if there are masses beside the axis.
+    moments: Option<[V3<S>; 2]>,
 }
 
 impl<S: Simd> Row<S> {
@@ -277,14 +340,22 @@ impl<S: Simd> Row<S> {
     /// segment behind, which is zero behind the last one.
     #[inline(always)]
     fn substitute(&self, [force, turn]: [V3<S>; 2], behind: [V3<S>; 2]) -> [V3<S>; 2] {
-        let pull = self.inverse.apply(behind[0].scale(self.w), self.b.apply(behind[1]));
+        let (mut load, mut torque) = (behind[0].scale(self.w), self.b.apply(behind[1]));
+        if let Some([x, y]) = self.moments {
+            load = (behind[0] + x.cross(behind[1])).scale(self.w);
+            torque += y.cross(load);
+        }
+        let pull = self.inverse.apply(load, torque);
         [force - pull[0], turn - pull[1]]
     }
 
     /// Contribution to subtract from the loads of the segment behind.
     #[inline(always)]
     fn carry(&self, [force, turn]: [V3<S>; 2]) -> [V3<S>; 2] {
-        [force.scale(self.w), self.b.apply_transposed(turn)]
+        let torque = self.b.apply_transposed(turn);
+        let Some([x, y]) = self.moments else { return [force.scale(self.w), torque] };
+        let load = (force - y.cross(turn)).scale(self.w);
+        [load, torque + load.cross(x)]
     }
 
     /// Diagonal block of the whole inverse, `D^-1 + D^-1 B Z B^T D^-1` with `z` the diagonal block
@@ -314,6 +385,8 @@ impl<S: Simd> Row<S> {
 /// Inverse masses of the nodes and factors, with masses added at points.
 pub(super) struct WeightedFactor<S: Simd> {
     pub(super) w: Array<S>,
+    /// Moments of masses beside the axis, as [`Right`] has them; empty without such masses.
+    pub(super) moments: Array<S>,
     pub(super) factor: Factor<S>,
     /// Whether they have been computed since the last step started.
     pub(super) used: bool,
@@ -321,6 +394,6 @@ pub(super) struct WeightedFactor<S: Simd> {
 
 impl<S: Simd> WeightedFactor<S> {
     pub(super) fn new(n: usize) -> Self {
-        Self { w: zeros::<S>(n + 1), factor: Factor::new(n), used: true }
+        Self { w: zeros::<S>(n + 1), moments: zeros::<S>(0), factor: Factor::new(n), used: true }
     }
 }

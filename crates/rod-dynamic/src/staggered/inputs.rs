@@ -4,7 +4,7 @@ use super::array::{self, at, set};
 use super::ends::EndKind;
 use super::simd_batch::SimdBatch;
 use crate::joint::Joint;
-use crate::{End, Instant, Load, Rod, RodState};
+use crate::{End, Impulses, Instant, Load, Rod, RodState};
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use pulp::Simd;
 use rapunzel_fiber::so3;
@@ -21,9 +21,9 @@ pub(super) trait BatchInputs {
     fn set_laws(&mut self, lane: usize, rod: &Rod);
     /// Sets the external force on a node, N, world frame.
     fn set_node_force(&mut self, lane: usize, node: usize, force: &Vector3<f64>);
-    /// Sets the impulses on the lane's nodes at the start of the step, N s, world frame; starting a
-    /// new step clears them. A support takes up the impulse on the end that it holds.
-    fn set_impulses(&mut self, lane: usize, impulses: &[Vector3<f64>]);
+    /// Sets the impulses on the lane at the start of the step; starting a new step clears them. A
+    /// support takes up the impulse on the end that it holds.
+    fn set_impulses(&mut self, lane: usize, impulses: Impulses);
 }
 
 impl<S: Simd> BatchInputs for SimdBatch<S> {
@@ -105,10 +105,21 @@ impl<S: Simd> BatchInputs for SimdBatch<S> {
         }
     }
 
-    fn set_impulses(&mut self, lane: usize, impulses: &[Vector3<f64>]) {
+    fn set_impulses(&mut self, lane: usize, impulses: Impulses) {
         let held = self.held[lane];
-        let (last, free) = (impulses.len() - 1, Vector3::zeros());
-        for (a, impulse) in impulses.iter().enumerate() {
+        let Impulses { nodes, segments } = impulses;
+        if !segments.is_empty() {
+            array::fit::<S>(&mut self.moments, 3 * segments.len());
+        }
+        let none = Vector3::zeros();
+        for e in 0..self.moments.len() / 3 {
+            let moment = segments.get(e).unwrap_or(&none);
+            for i in 0..3 {
+                set(&mut self.moments, 3 * e + i, lane, moment[i]);
+            }
+        }
+        let (last, free) = (nodes.len() - 1, Vector3::zeros());
+        for (a, impulse) in nodes.iter().enumerate() {
             let is_held = (a == 0 && held.root != EndKind::Loaded)
                 || (a == last && held.tip != EndKind::Loaded);
             let (impulse, absorbed) = if is_held { (&free, impulse) } else { (impulse, &free) };

@@ -95,3 +95,11 @@ pub(super) fn director_hessian<S: Simd>(d: V3<S>, p: V3<S>, definite: Lane<S>) -
     used += (projected - p).scale(definite);
     Sym::diagonal(used.dot(d)) - Sym::symmetric_outer(used, d)
 }
+
+/// A vector that turns the directors of one frame into those of another, but for terms of higher
+/// order in it: the axis, with the sine of the angle.
+#[inline(always)]
+pub(super) fn turn<S: Simd>(from: [V3<S>; 3], to: [V3<S>; 3]) -> V3<S> {
+    let sum = from[0].cross(to[0]) + from[1].cross(to[1]) + from[2].cross(to[2]);
+    sum.scale(sum.0[0].lift(0.5))
+}

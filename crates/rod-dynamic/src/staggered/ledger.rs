@@ -22,14 +22,14 @@
 use super::array::{at, set};
 use super::chain::RotationChain;
 use super::ends;
-use super::joint_geometry::{moment, slope_of_log};
+use super::joint_geometry::{combine, moment, slope_of_log, turn};
 use super::laws::Turns;
 use super::ledger_lanes::LedgerLanes;
 use super::scheme::{Rates, Stage, StepProblem};
 use super::simd_batch::SimdBatch;
 use crate::{End, Instant, Ledger};
 use pulp::{NullaryFnOnce, Simd};
-use rapunzel_lanes::{LANES, Lane, V3};
+use rapunzel_lanes::{LANES, Lane, Quat, V3};
 
 /// Motion over a step of a coordinate with mass 1.
 struct CoordinateMotion<S: Simd> {
@@ -287,7 +287,19 @@ impl<S: Simd> SimdBatch<S> {
         let zero = V3::splat(simd, 0.0);
         let force = chain.vec(&chain.force, e).scale(chain.one(&chain.model.h, e));
         lines.integrator = lines.integrator - force.dot(chord(2));
+        // Impulses beside the axis: their torque along the turn, of which the impulse along the
+        // rotation vector over the step is the work of contacts.
         let mut torque = after[2].cross(force);
+        if !self.moments.is_empty() {
+            let pressed = chain.vec(&chain.room.torque, e);
+            let [from, to] = [&self.before.q, &chain.q].map(|q| Quat::load(simd, q, e));
+            let rotation = combine(before, from.inverse_times(to).log().0);
+            let spin = rotation.scale(stage.dt.recip());
+            let work = chain.vec(&self.moments, e).dot(spin);
+            lines.contacts = lines.contacts + work;
+            lines.integrator = lines.integrator + pressed.dot(turn) - work;
+            torque += pressed;
+        }
         for k in 0..2 {
             let inertia = Lane::new(simd, self.chain.model.inertia[2 * e + k]);
             let rates = self.directors.rates(chain, 2 * e + k);
@@ -385,12 +397,4 @@ impl<S: Simd> SimdBatch<S> {
         let loss = lag.dot(mean) + change.dot(mean - middle);
         CoordinateMotion { end, mean, acceleration, gain: change.dot(middle), loss }
     }
-}
-
-/// A vector that turns the directors of one frame into those of another, but for terms of higher
-/// order in it: the axis, with the sine of the angle.
-#[inline(always)]
-fn turn<S: Simd>(from: [V3<S>; 3], to: [V3<S>; 3]) -> V3<S> {
-    let sum = from[0].cross(to[0]) + from[1].cross(to[1]) + from[2].cross(to[2]);
-    sum.scale(sum.0[0].lift(0.5))
 }

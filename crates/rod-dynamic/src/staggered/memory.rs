@@ -60,6 +60,7 @@ impl<S: Simd> BatchMemory for SimdBatch<S> {
         self.before.ends = self.chain.ends;
         self.chain.laws.iter_mut().for_each(|laws| laws.remember());
         self.impulses.fill(S::f64s::zeroed());
+        self.moments.clear();
         self.absorbed = [[S::f64s::zeroed(); 3]; 2];
         self.weighted.take_if(|weighted| !std::mem::take(&mut weighted.used));
     }

@@ -6,6 +6,7 @@ use crate::joint::Joint;
 use crate::{Energy, Momentum, Rod, RodState};
 use nalgebra::{Point3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 use pulp::Simd;
+use pulp::bytemuck::Pod;
 
 /// State and energy of a batch, one lane at a time.
 pub(super) trait BatchReadout {
@@ -22,6 +23,15 @@ pub(super) trait BatchReadout {
     /// Displacement of a node in the step with the increments of the last linearisation, to first
     /// order, m, world frame.
     fn linear_displacement(&self, lane: usize, node: usize) -> Vector3<f64>;
+    /// Whether root and tip of the lane are clamped.
+    fn clamps(&self, lane: usize) -> [bool; 2];
+    /// Angular velocity of a segment at the start of the step, rad/s, world frame.
+    fn spin(&self, lane: usize, segment: usize) -> Vector3<f64>;
+    /// Rotation vector of a segment in the step as solved last, rad, world frame.
+    fn rotation_vector(&self, lane: usize, segment: usize) -> Vector3<f64>;
+    /// Rotation vector of a segment in the step with the increments of the last linearisation, to
+    /// first order, rad, world frame.
+    fn linear_rotation(&self, lane: usize, segment: usize) -> Vector3<f64>;
 }
 
 impl<S: Simd> BatchReadout for SimdBatch<S> {
@@ -47,7 +57,7 @@ impl<S: Simd> BatchReadout for SimdBatch<S> {
             angular_velocities: frames
                 .iter()
                 .enumerate()
-                .map(|(e, frame)| self.angular_velocity(e, lane, frame))
+                .map(|(e, frame)| frame.inverse_transform_vector(&self.world_spin(e, lane, frame)))
                 .collect(),
             frames,
             forces: (0..n).map(|e| self.vector(&self.chain.force, e, lane)).collect(),
@@ -121,6 +131,26 @@ impl<S: Simd> BatchReadout for SimdBatch<S> {
         }
         self.displacement(lane, node) + added
     }
+
+    fn clamps(&self, lane: usize) -> [bool; 2] {
+        self.chain.ends.joined(lane)
+    }
+
+    fn spin(&self, lane: usize, segment: usize) -> Vector3<f64> {
+        let frame = quaternion(&self.before.q, segment, lane).to_rotation_matrix();
+        self.world_spin(segment, lane, &frame)
+    }
+
+    fn rotation_vector(&self, lane: usize, segment: usize) -> Vector3<f64> {
+        let [before, after] =
+            [&self.before.q, &self.chain.q].map(|all| quaternion(all, segment, lane));
+        (after * before.inverse()).scaled_axis()
+    }
+
+    fn linear_rotation(&self, lane: usize, segment: usize) -> Vector3<f64> {
+        let increment = self.vector(&self.chain.kept.step, 2 * segment + 1, lane);
+        self.rotation_vector(lane, segment) + increment
+    }
 }
 
 impl<S: Simd> SimdBatch<S> {
@@ -130,12 +160,12 @@ impl<S: Simd> SimdBatch<S> {
     }
 
     fn rotation(&self, e: usize, lane: usize) -> UnitQuaternion<f64> {
-        let q = |i: usize| at(&self.chain.q, 4 * e + i, lane);
-        UnitQuaternion::new_unchecked(Quaternion::new(q(3), q(0), q(1), q(2)))
+        quaternion(&self.chain.q, e, lane)
     }
 
-    /// Angular velocity of segment `e` in its material frame: half the sum of `d x d'`.
-    fn angular_velocity(&self, e: usize, lane: usize, frame: &Rotation3<f64>) -> Vector3<f64> {
+    /// Angular velocity of segment `e`, world frame, with its material frame: half the sum of
+    /// `d x d'`.
+    fn world_spin(&self, e: usize, lane: usize, frame: &Rotation3<f64>) -> Vector3<f64> {
         let h = at(&self.chain.model.h, e, lane);
         let v = |a: usize| self.vector(&self.nodes.v, a, lane);
         let rates = [
@@ -147,7 +177,7 @@ impl<S: Simd> SimdBatch<S> {
         for (k, rate) in rates.iter().enumerate() {
             sum += 0.5 * frame.matrix().column(k).cross(rate);
         }
-        frame.inverse_transform_vector(&sum)
+        sum
     }
 
     /// Elastic energy of joint `j` of one lane, J, where its rotation vector differs by `strain`
@@ -159,4 +189,10 @@ impl<S: Simd> SimdBatch<S> {
             0.5 * strain.dot(&stiffness.component_mul(strain))
         })
     }
+}
+
+/// Rotation of segment `e` in an array of unit quaternions, in one lane.
+fn quaternion<T: Pod>(all: &[T], e: usize, lane: usize) -> UnitQuaternion<f64> {
+    let q = |i: usize| at(all, 4 * e + i, lane);
+    UnitQuaternion::new_unchecked(Quaternion::new(q(3), q(0), q(1), q(2)))
 }

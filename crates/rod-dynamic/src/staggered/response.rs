@@ -3,15 +3,19 @@
 //! An impulse is a jump of a node's velocity at the start of the step. It moves the end of the
 //! step by `dt P / m` if nothing else acts, so it enters the node's balance as the force
 //! `c1 dt P`, and the response is the change of the mean velocity, displacement over `dt`. Both
-//! maps are the same up to transposition, so the response is symmetric.
+//! maps are the same up to transposition, so the response is symmetric. The moment of an impulse
+//! beside the axis enters the balance of its segment as the torque `c1 dt a x P`, and the mean
+//! angular velocity is the rotation over `dt`.
 
-use super::array::{Array, at, set, store, zeros};
+use super::array::{Array, at, fit, set, store, zeros};
 use super::chain::RotationChain;
 use super::factor::{DiagonalBlock, Factor, Right, WeightedFactor};
 use super::joint_geometry::hat;
 use super::scheme::{Stage, StepProblem};
 use super::simd_batch::SimdBatch;
+use super::workspace::BatchWorkspace;
 use crate::Point;
+use nalgebra::Vector3;
 use pulp::bytemuck::Zeroable;
 use pulp::{NullaryFnOnce, Simd};
 use rapunzel_lanes::{Lane, M3, Sym, V3};
@@ -33,55 +37,84 @@ pub(super) enum Question<'a, S: Simd> {
     Weigh(&'a [Point], &'a [f64]),
 }
 
-/// Three sets of impulses on all nodes, which are replaced by mean velocities: `3 a + k` is the
-/// vector of node `a` in set `k`.
+/// Three sets of impulses on all nodes and segments, which are replaced by mean velocities and
+/// angular velocities: `3 a + k` is the vector of node or segment `a` in set `k`.
 pub(super) struct ImpulseColumns<S: Simd> {
     pub(super) values: Array<S>,
+    pub(super) turns: Array<S>,
     loads: Array<S>,
     solution: Array<S>,
 }
 
 impl<S: Simd> ImpulseColumns<S> {
     pub(super) fn new(n: usize) -> Self {
-        let (values, loads) = (zeros::<S>(9 * (n + 1)), zeros::<S>(9 * n));
-        Self { values, loads, solution: zeros::<S>(18 * n) }
+        Self {
+            values: zeros::<S>(9 * (n + 1)),
+            turns: zeros::<S>(9 * n),
+            loads: zeros::<S>(18 * n),
+            solution: zeros::<S>(18 * n),
+        }
     }
 }
 
-/// Replaces `K` sets of impulses by the mean velocities that they cause, from node `from` on.
-/// `factor` and the inverse masses in `right` define the inertia; the columns are the values, and
-/// scratch memory for loads and solutions.
+/// Replaces `K` sets of impulses on nodes and of moments on segments by the mean velocities and
+/// angular velocities that they cause, from node and segment `from` on. `factor`, and the inverse
+/// masses and moments in `right`, define the inertia; the columns are the values of nodes, those of
+/// segments, and scratch memory for loads and solutions.
 #[inline(always)]
 fn answer<S: Simd, const K: usize>(
     stage: &Stage<S>,
     factor: &Factor<S>,
     right: &Right<S>,
     from: usize,
-    [values, loads, solution]: [&mut [S::f64s]; 3],
+    [values, turns, loads, solution]: [&mut [S::f64s]; 4],
 ) {
     let (simd, w) = (stage.dt.simd(), right.w);
     let n = w.len() - 1;
     let gain = stage.c1 * stage.dt;
     let first = from.saturating_sub(1);
-    // Constraint row of segment e: c1 dt (w_e P_e - w_(e+1) P_(e+1)), e its node before.
+    let beside = !right.moments.is_empty();
+    // Constraint row of segment e: c1 dt (w_e P_e - w_(e+1) P_(e+1)), e its node before. Torque:
+    // c1 dt (T + w_e P_e x x_e + w_(e+1) P_(e+1) x y_e), with the moments of masses beside the
+    // axis.
     for e in first..n {
         let (w0, w1) = (Lane::new(simd, w[e]), Lane::new(simd, w[e + 1]));
         for i in K * e..K * (e + 1) {
-            let (before, here) = (V3::load(simd, values, i), V3::load(simd, values, i + K));
-            store(loads, i, (before.scale(w0) - here.scale(w1)).scale(gain));
+            let before = V3::load(simd, values, i).scale(w0);
+            let here = V3::load(simd, values, i + K).scale(w1);
+            let mut torque = V3::load(simd, turns, i);
+            if beside {
+                let [x, y] = right.moments(simd, e);
+                torque += before.cross(x) + here.cross(y);
+            }
+            store(loads, 2 * i, (before - here).scale(gain));
+            store(loads, 2 * i + 1, torque.scale(gain));
         }
     }
     factor.solve::<K>(simd, right, first, loads, solution);
-    // Mean velocity of node a: (w_a / dt) (c1 dt P_a + dn_a - dn_(a-1)), dn_a the force behind it.
+    // Mean angular velocity of segment e: dtheta_e / dt. Mean velocity of node a: (w_a / dt)
+    // (c1 dt P_a + dn_a - dn_(a-1) + x_a x dtheta_a + y_(a-1) x dtheta_(a-1)), dn_a the force and
+    // dtheta_a the rotation of the segment behind it.
     let rate = stage.dt.recip();
+    for i in K * from.min(n)..K * n {
+        store(turns, i, V3::load(simd, solution, 2 * i + 1).scale(rate));
+    }
     for a in from..=n {
         for i in K * a..K * (a + 1) {
             let mut sum = V3::load(simd, values, i).scale(gain);
             if a < n {
                 sum += V3::load(simd, solution, 2 * i);
+                if beside {
+                    let turn = V3::load(simd, solution, 2 * i + 1);
+                    sum += right.moments(simd, a)[0].cross(turn);
+                }
             }
             if a > 0 {
                 sum -= V3::load(simd, solution, 2 * (i - K));
+                if beside {
+                    let turn = V3::load(simd, solution, 2 * (i - K) + 1);
+                    sum += right.moments(simd, a - 1)[1].cross(turn);
+                }
             }
             store(values, i, sum.scale(Lane::new(simd, w[a]) * rate));
         }
@@ -89,8 +122,8 @@ fn answer<S: Simd, const K: usize>(
 }
 
 impl<S: Simd> SimdBatch<S> {
-    /// Replaces three sets of impulses (N s) in `columns` by mean velocities (m/s), from node
-    /// `from` on, in one solve.
+    /// Replaces three sets of impulses (N s, N m s) in `columns` by mean velocities (m/s, rad/s),
+    /// from node and segment `from` on, in one solve.
     pub(super) fn respond_thrice(&mut self, from: usize, columns: &mut ImpulseColumns<S>) {
         self.ask(Question::RespondThrice(from, columns));
     }
@@ -107,10 +140,10 @@ impl<S: Simd> SimdBatch<S> {
                         self.0.solve_response(&stage, inertia, from);
                     }
                     Question::RespondThrice(from, columns) => {
-                        let ImpulseColumns { values, loads, solution } = columns;
+                        let ImpulseColumns { values, turns, loads, solution } = columns;
+                        let columns = [values, turns, loads, solution].map(|array| &mut array[..]);
                         let kept = &self.0.chain.kept;
-                        let right = kept.right(&kept.w);
-                        let columns = [&mut values[..], &mut loads[..], &mut solution[..]];
+                        let right = kept.right(&kept.w, &[]);
                         answer::<S, 3>(&stage, &kept.factor, &right, from, columns);
                     }
                     Question::Blocks => self.0.solve_blocks(&stage),
@@ -126,19 +159,22 @@ impl<S: Simd> SimdBatch<S> {
     #[inline(always)]
     pub(super) fn solve_response(&mut self, stage: &Stage<S>, inertia: Inertia, from: usize) {
         let RotationChain { kept, room, .. } = &mut self.chain;
-        let (w, factor) = match (inertia, &self.weighted) {
-            (Inertia::Weighted, Some(weighted)) => (&weighted.w, &weighted.factor),
-            _ => (&kept.w, &kept.factor),
+        let (w, moments, factor) = match (inertia, &self.weighted) {
+            (Inertia::Weighted, Some(weighted)) => {
+                (&weighted.w, &weighted.moments[..], &weighted.factor)
+            }
+            _ => (&kept.w, &[][..], &kept.factor),
         };
-        let columns = [&mut room.values[..], &mut room.loads[..], &mut room.solution[..]];
-        answer::<S, 1>(stage, factor, &kept.right(w), from, columns);
+        let BatchWorkspace { values, turns, loads, solution, .. } = room;
+        let columns = [values, turns, loads, solution].map(|array| &mut array[..]);
+        answer::<S, 1>(stage, factor, &kept.right(w, moments), from, columns);
     }
 
     #[inline(always)]
     fn solve_blocks(&mut self, stage: &Stage<S>) {
         let (simd, n) = (self.chain.simd, self.chain.n);
         let RotationChain { kept, room, .. } = &mut self.chain;
-        let right = kept.right(&kept.w);
+        let right = kept.right(&kept.w, &[]);
         kept.factor.inverse_blocks(simd, &right, &mut room.diagonal, &mut room.right);
         let one = Lane::splat(simd, 1.0);
         for a in 0..=n {
@@ -147,10 +183,15 @@ impl<S: Simd> SimdBatch<S> {
             let w = Lane::new(simd, kept.w[a]);
             let mut inner = Sym::diagonal(w.lift(0.0));
             if a > 0 {
-                inner = inner + Sym::load(simd, &room.diagonal, a - 1);
+                inner = inner + Sym::load(simd, &room.diagonal, 2 * (a - 1));
             }
             if a < n {
-                inner = inner + Sym::load(simd, &room.diagonal, a);
+                inner = inner + Sym::load(simd, &room.diagonal, 2 * a);
+                // Block of segment a: c1 Z, between rotations.
+                let turns = Sym::load(simd, &room.diagonal, 2 * a + 1).scale(stage.c1);
+                for i in 0..6 {
+                    room.turn_blocks[6 * a + i] = turns.0[i].value;
+                }
             }
             if a > 0 && a < n {
                 let right = &room.right[9 * (a - 1)..];
@@ -167,7 +208,7 @@ impl<S: Simd> SimdBatch<S> {
 
     /// Factorises with masses added at points: a mass `m` at the fraction `f` of a rigid segment is
     /// `m (1 - f)` and `m f` on its nodes, and takes away `m f (1 - f) h^2` of the inertia of its
-    /// d3.
+    /// d3; at an arm `a` it has the inertia `m (a^2 E - a a^T)`, and the moments of [`Right`].
     #[inline(always)]
     fn factorize_weighted(&mut self, stage: &Stage<S>, points: &[Point], masses: &[f64]) {
         let (simd, n) = (self.chain.simd, self.chain.n);
@@ -178,6 +219,11 @@ impl<S: Simd> SimdBatch<S> {
         // Masses of the nodes and inertias of d3 that the points add.
         room.mass.fill(S::f64s::zeroed());
         room.inertia.fill(S::f64s::zeroed());
+        let beside = points.iter().zip(masses).any(|(p, m)| *m > 0.0 && p.arm != Vector3::zeros());
+        fit::<S>(&mut weighted.moments, if beside { 6 * n } else { 0 });
+        weighted.moments.fill(S::f64s::zeroed());
+        fit::<S>(&mut room.gyration, if beside { 6 * n } else { 0 });
+        room.gyration.fill(S::f64s::zeroed());
         for (point, m) in points.iter().zip(masses) {
             let (lane, e, f) = (point.fiber as usize, point.segment as usize, point.fraction);
             let h = at(&model.h, e, lane);
@@ -188,12 +234,29 @@ impl<S: Simd> SimdBatch<S> {
             add(&mut room.mass, e, m * (1.0 - f));
             add(&mut room.mass, e + 1, m * f);
             add(&mut room.inertia, e, -m * f * (1.0 - f) * h * h);
+            if beside {
+                let a = point.arm;
+                for i in 0..3 {
+                    add(&mut weighted.moments, 6 * e + i, m * (1.0 - f) * a[i]);
+                    add(&mut weighted.moments, 6 * e + 3 + i, m * f * a[i]);
+                }
+                let square = a.norm_squared();
+                let own = [square - a.x * a.x, square - a.y * a.y, square - a.z * a.z];
+                for (i, x) in
+                    own.into_iter().chain([-a.x * a.y, -a.x * a.z, -a.y * a.z]).enumerate()
+                {
+                    add(&mut room.gyration, 6 * e + i, m * x);
+                }
+            }
         }
         // Inverse mass coefficients with the added masses.
         for a in 0..=n {
             let free = Lane::new(simd, kept.w[a]);
             let mu = stage.c1.mul_add(Lane::new(simd, room.mass[a]), Lane::new(simd, room.mu[a]));
             weighted.w[a] = free.positive().select(mu.recip(), free).value;
+        }
+        for moment in &mut weighted.moments[..] {
+            *moment = (Lane::new(simd, *moment) * stage.c1).value;
         }
         // Elimination of all segments, with the Hessians and couplings of the last assembly.
         let mut carry = DiagonalBlock::zero(simd);
@@ -205,16 +268,30 @@ impl<S: Simd> SimdBatch<S> {
             let hessian = Sym::load(simd, &room.hessian, e);
             let across = Sym::diagonal(inertia) - Sym::outer(d).scale(inertia);
             let (w0, w1) = (Lane::new(simd, weighted.w[e]), Lane::new(simd, weighted.w[e + 1]));
-            let block = DiagonalBlock {
+            let mut block = DiagonalBlock {
                 compliance: Sym::diagonal(-(w0 + w1)),
                 lever: hat(d.scale(h)),
                 stiffness: hessian + across,
                 load: zero,
                 torque: zero,
             };
+            let right = kept.right(&weighted.w, &weighted.moments);
+            if beside {
+                // Nodes with moments are eliminated: [[-w0 - w1, w1 hat(y) - w0 hat(x)],
+                // [., w0 hat(x)^2 + w1 hat(y)^2]].
+                let [x, y] = right.moments(simd, e);
+                block.lever = block.lever + hat(y.scale(w1) - x.scale(w0));
+                let square =
+                    |v: V3<S>, w: Lane<S>| (Sym::outer(v) - Sym::diagonal(v.dot(v))).scale(w);
+                let gyration = Sym::load(simd, &room.gyration, e).scale(stage.c1);
+                block.stiffness = block.stiffness + square(x, w0) + square(y, w1) + gyration;
+            }
             let row = |i: usize| V3::load(simd, &kept.coupling, 3 * e + i);
             let coupling = M3([row(0), row(1), row(2)]);
             (carry, _, _) = weighted.factor.eliminate(e, block - carry, w1, coupling);
+            if beside {
+                carry = weighted.factor.contribution(simd, &right, e);
+            }
         }
     }
 }

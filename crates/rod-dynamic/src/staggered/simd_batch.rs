@@ -1,6 +1,6 @@
 //! Fibres that move together, one in each SIMD lane, and the problem of their step.
 
-use super::array::{Array, set, store, zeros};
+use super::array::{Array, fit, set, store, zeros};
 use super::chain::RotationChain;
 use super::ends::{Ends, Held};
 use super::factor::WeightedFactor;
@@ -31,6 +31,9 @@ pub(super) struct SimdBatch<S: Simd> {
     pub(super) joints: KinematicHistory<S>,
     /// Impulses on the nodes at the start of the step, N s (3 per node), empty until set.
     pub(super) impulses: Array<S>,
+    /// Moments of impulses on the segments at the start of the step, N m s (3 per segment), empty
+    /// without.
+    pub(super) moments: Array<S>,
     /// Impulses on the root and the tip that their supports take up, N s.
     pub(super) absorbed: [[S::f64s; 3]; 2],
     /// Additional forces on the nodes, N (3 per node), empty until set.
@@ -86,6 +89,7 @@ impl<S: Simd> SimdBatch<S> {
                 memory && any_damping,
             ),
             impulses: zeros::<S>(0),
+            moments: zeros::<S>(0),
             absorbed: [[S::f64s::zeroed(); 3]; 2],
             node_forces: zeros::<S>(0),
             fields: [S::f64s::zeroed(); 11],
@@ -175,6 +179,12 @@ impl<S: Simd> SimdBatch<S> {
             store(&mut self.chain.room.b, a, b);
         }
         self.chain.room.start.copy_from_slice(&self.r);
+        // Segments: torques of impulses beside the axis, c1 dt a x P.
+        fit::<S>(&mut self.chain.room.torque, self.moments.len());
+        for e in 0..self.moments.len() / 3 {
+            let torque = self.chain.vec(&self.moments, e).scale(stage.c1 * stage.dt);
+            store(&mut self.chain.room.torque, e, torque);
+        }
         // Directors: inertia vectors p = I c1 (d + du).
         for i in 0..2 * n {
             let (du, _) = self.scheme.predict(stage, self.directors.rates(&self.chain, i));

@@ -23,6 +23,9 @@ pub(super) struct BatchWorkspace<S: Simd> {
     pub(super) b: Array<S>,
     /// Positions of the nodes at the start of the step, m, world (3 per node).
     pub(super) start: Array<S>,
+    /// Torques on the segments by impulses beside the axis, N m, world (3 per segment); empty
+    /// without.
+    pub(super) torque: Array<S>,
     /// Inertia vectors of d1 and d2 (6 per segment).
     pub(super) p: Array<S>,
     /// Directors at the present rotations, world (9 per segment).
@@ -41,20 +44,26 @@ pub(super) struct BatchWorkspace<S: Simd> {
     pub(super) origin: Array<S>,
     /// Impulses, N s, replaced by mean velocities, m/s (3 per node).
     pub(super) values: Array<S>,
-    /// Right-hand sides of the constraint rows for the impulses (3 per segment).
+    /// Moments of impulses, N m s, replaced by mean angular velocities, rad/s (3 per segment).
+    pub(super) turns: Array<S>,
+    /// Right-hand sides for the impulses: constraint rows and torques (6 per segment).
     pub(super) loads: Array<S>,
     /// Solution for the impulses: force and rotation increments (6 per segment).
     pub(super) solution: Array<S>,
-    /// Force-force diagonal blocks of the inverse matrix (6 per segment).
+    /// Force-force and turn-turn diagonal blocks of the inverse matrix (12 per segment).
     pub(super) diagonal: Array<S>,
     /// Force-force off-diagonal blocks of the inverse matrix (9 per segment).
     pub(super) right: Array<S>,
     /// Response blocks of the nodes, 1/kg (6 per node).
     pub(super) blocks: Array<S>,
+    /// Response blocks of the segments to moments, 1/(kg m^2) (6 per segment).
+    pub(super) turn_blocks: Array<S>,
     /// Masses added to the nodes, kg (1 per node).
     pub(super) mass: Array<S>,
     /// Inertias added to d3, kg m^2 (1 per segment).
     pub(super) inertia: Array<S>,
+    /// Inertias of the masses added beside the axis, kg m^2, world (6 per segment); empty without.
+    pub(super) gyration: Array<S>,
     /// Storage that a batch uses which has no [`Kept`] of its own.
     pub(super) kept: Kept<S>,
 }
@@ -84,6 +93,7 @@ impl<S: Simd> BatchWorkspace<S> {
             mu: none(),
             b: none(),
             start: none(),
+            torque: none(),
             p: none(),
             d: none(),
             d_start: none(),
@@ -93,13 +103,16 @@ impl<S: Simd> BatchWorkspace<S> {
             direction: none(),
             origin: none(),
             values: none(),
+            turns: none(),
             loads: none(),
             solution: none(),
             diagonal: none(),
             right: none(),
             blocks: none(),
+            turn_blocks: none(),
             mass: none(),
             inertia: none(),
+            gyration: none(),
             kept: Kept::empty(),
         }
     }
@@ -126,9 +139,11 @@ impl<S: Simd> BatchWorkspace<S> {
             (&mut self.rhs, 6),
             (&mut self.direction, 3),
             (&mut self.origin, 4),
-            (&mut self.loads, 3),
+            (&mut self.turns, 3),
+            (&mut self.loads, 6),
             (&mut self.solution, 6),
-            (&mut self.diagonal, 6),
+            (&mut self.diagonal, 12),
+            (&mut self.turn_blocks, 6),
             (&mut self.right, 9),
             (&mut self.inertia, 1),
         ];
@@ -138,9 +153,10 @@ impl<S: Simd> BatchWorkspace<S> {
 }
 
 impl<S: Simd> Kept<S> {
-    /// Off-diagonal blocks for the factors, with the inverse masses `w` of the nodes.
-    pub(super) fn right<'a>(&'a self, w: &'a [S::f64s]) -> Right<'a, S> {
-        Right { b: &self.coupling, w }
+    /// Off-diagonal blocks for the factors, with the inverse masses `w` of the nodes and the
+    /// moments of masses beside the axis.
+    pub(super) fn right<'a>(&'a self, w: &'a [S::f64s], moments: &'a [S::f64s]) -> Right<'a, S> {
+        Right { b: &self.coupling, w, moments }
     }
 
     pub(super) fn empty() -> Self {

@@ -3,8 +3,8 @@
 use crate::common::{GRAVITY, hair};
 use nalgebra::{Matrix3, Vector3};
 use rapunzel_rod_dynamic::{
-    BoxIntegrator, BoxOptions, Conditions, ImpulseResponse, Instant, Point, Rod, RodIntegrator,
-    RodStepReport, StaggeredBatch, Steady,
+    BoxIntegrator, BoxOptions, Conditions, ImpulseResponse, Impulses, Instant, Point, Rod,
+    RodIntegrator, RodStepReport, StaggeredBatch, Steady,
 };
 
 /// Allocations of the second of two runs of `step`.
@@ -41,17 +41,20 @@ fn warm_steps_do_not_allocate() {
         let impulses = vec![Vector3::new(1e-9, 0.0, 0.0); nodes];
         let mut velocities = vec![Vector3::zeros(); nodes];
         let mut blocks = vec![Matrix3::zeros(); nodes];
-        let points = [Point { fiber: 0, segment: 7, fraction: 0.3 }];
+        let mut turns = vec![Matrix3::zeros(); nodes - fibers];
+        let moments = vec![Vector3::new(0.0, 1e-15, 0.0); nodes - fibers];
+        let whole = Impulses { nodes: &impulses, segments: &moments };
+        let points = [Point { arm: Vector3::new(0.0, 0.0, 1e-5), ..Point::on_axis(0, 7, 0.3) }];
         let count = allocations(|| {
-            batch.set_out(1e-3, &conditions, &impulses, &mut reports).expect("sound");
+            batch.set_out(1e-3, &conditions, whole, &mut reports).expect("sound");
             batch.linearize().expect("regular");
             batch.linear_velocities(&mut velocities).expect("lengths");
             batch.mean_velocities(&mut velocities).expect("lengths");
             batch.respond(&impulses, &mut velocities).expect("lengths");
-            batch.diagonal_blocks(&mut blocks).expect("lengths");
+            batch.diagonal_blocks(&mut blocks, &mut turns).expect("lengths");
             batch.set_weights(&points, &[1e-6]).expect("weights");
-            batch.press(&impulses).expect("sound");
-            batch.advance(&impulses).expect("regular");
+            batch.press(whole).expect("sound");
+            batch.advance(whole).expect("regular");
             batch.accept();
         });
         assert_eq!(count, 0, "a step of {fibers} with impulses");
@@ -86,7 +89,9 @@ fn batches_hold_what_their_motion_needs() {
         });
         let kept = allocation_counter::measure(|| {
             let batch = batch.as_mut().expect("a batch");
-            batch.set_out(1e-3, &conditions, &none, &mut reports).expect("sound");
+            batch
+                .set_out(1e-3, &conditions, Impulses::on_nodes(&none), &mut reports)
+                .expect("sound");
             batch.linearize().expect("regular");
         });
         // Of eight lanes, eight bytes each.

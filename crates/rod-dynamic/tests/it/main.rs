@@ -17,6 +17,7 @@ mod linear_stability;
 mod natural;
 mod properties;
 mod staggered_agreement;
+mod staggered_arms;
 mod staggered_batch;
 mod staggered_clamped;
 mod staggered_conservation;

@@ -6,7 +6,7 @@ use nalgebra::{
 };
 use rapunzel_fiber::{Fiber, Material, Section};
 use rapunzel_rod_dynamic::{
-    Conditions, ImpulseResponse, Instant, Point, PointResponses, Rod, RodStepReport,
+    Conditions, ImpulseResponse, Impulses, Instant, Point, PointResponses, Rod, RodStepReport,
     StaggeredBatch, Steady,
 };
 
@@ -47,7 +47,7 @@ fn falling(fibers: usize, dt: f64) -> (StaggeredBatch, Vec<f64>) {
     let mut start = Vec::new();
     batch.save(&mut start);
     let none = vec![Vector3::zeros(); batch.nodes()];
-    set_out_and_solve(&mut batch, dt, &conditions, &none).expect("a step");
+    set_out_and_solve(&mut batch, dt, &conditions, Impulses::on_nodes(&none)).expect("a step");
     (batch, start)
 }
 
@@ -63,8 +63,8 @@ fn matrix_by(batch: &mut StaggeredBatch, weighted: bool) -> DMatrix<f64> {
     let points: Vec<Point> = (0..NODES)
         .map(|a| u32::try_from(a).expect("few nodes"))
         .map(|a| match a {
-            0 => Point { fiber: 0, segment: 0, fraction: 0.0 },
-            a => Point { fiber: 0, segment: a - 1, fraction: 1.0 },
+            0 => Point::on_axis(0, 0, 0.0),
+            a => Point::on_axis(0, a - 1, 1.0),
         })
         .collect();
     for column in 0..3 * NODES {
@@ -99,7 +99,8 @@ fn diagonal_blocks_are_those_of_the_columns() {
         let (mut batch, _) = falling(3, dt);
         let w = matrix(&mut batch);
         let mut blocks = vec![Matrix3::zeros(); batch.nodes()];
-        batch.diagonal_blocks(&mut blocks).expect("lengths");
+        let mut turns = vec![Matrix3::zeros(); batch.nodes() - 3];
+        batch.diagonal_blocks(&mut blocks, &mut turns).expect("lengths");
         for a in 0..NODES {
             let column = w.fixed_view::<3, 3>(3 * a, 3 * a);
             let error = (blocks[a] - column).amax();
@@ -120,7 +121,7 @@ fn response_is_the_derivative_of_a_step() {
             impulses[node] = direction;
             let mut linear = vec![Vector3::zeros(); NODES];
             batch.restore(&start).expect("own numbers");
-            set_out_and_solve(&mut batch, dt, &[&hold], &none).expect("a step");
+            set_out_and_solve(&mut batch, dt, &[&hold], Impulses::on_nodes(&none)).expect("a step");
             batch.respond(&impulses, &mut linear).expect("lengths");
             let scale = linear.iter().map(|v| v.norm()).fold(0.0, f64::max);
             // An impulse that changes the most mobile node's velocity by a tenth of a millimetre
@@ -130,7 +131,8 @@ fn response_is_the_derivative_of_a_step() {
             for (sign, moved) in [1.0, -1.0].into_iter().zip(&mut moved) {
                 batch.restore(&start).expect("own numbers");
                 let small: Vec<_> = impulses.iter().map(|p| p * sign * size).collect();
-                set_out_and_solve(&mut batch, dt, &[&hold], &small).expect("a step");
+                set_out_and_solve(&mut batch, dt, &[&hold], Impulses::on_nodes(&small))
+                    .expect("a step");
                 batch.accept();
                 *moved = batch.state(0).positions;
             }
@@ -174,7 +176,7 @@ fn weights_add_to_the_inverse() {
     let w = matrix(&mut batch);
     let mass = batch.rods()[0].fiber.mass();
     let points = [(0, 7, 0.25), (0, 7, 0.9), (0, 39, 1.0), (1, 20, 0.5)]
-        .map(|(fiber, segment, fraction)| Point { fiber, segment, fraction });
+        .map(|(fiber, segment, fraction)| Point::on_axis(fiber, segment, fraction));
     let masses = [0.3 * mass, 0.02 * mass, 0.5 * mass, mass];
     batch.set_weights(&points, &masses).expect("valid weights");
     let weighted = matrix_by(&mut batch, true);
@@ -203,7 +205,7 @@ fn weights_add_to_the_inverse() {
 fn points_that_are_written_out_answer_alike() {
     let (mut batch, _) = falling(3, 1e-3);
     let points = [(2, 39, 1.0), (0, 20, 0.5), (1, 17, 0.3), (1, 17, 0.8), (0, 5, 0.0), (2, 0, 0.4)]
-        .map(|(fiber, segment, fraction)| Point { fiber, segment, fraction });
+        .map(|(fiber, segment, fraction)| Point::on_axis(fiber, segment, fraction));
     let all = batch.write_out(&points).expect("points on the fibres");
     assert_eq!(
         all.iter().map(|one| one.points.clone()).collect::<Vec<_>>(),
@@ -234,7 +236,7 @@ fn points_that_are_written_out_answer_alike() {
 fn points_answer_as_their_nodes() {
     let (mut batch, _) = falling(3, 1e-3);
     let points = [(2, 39, 1.0), (0, 0, 0.5), (1, 17, 0.3), (1, 17, 0.8), (0, 5, 0.0)]
-        .map(|(fiber, segment, fraction)| Point { fiber, segment, fraction });
+        .map(|(fiber, segment, fraction)| Point::on_axis(fiber, segment, fraction));
     let impulses: Vec<_> = (0..5).map(|i| Vector3::new(1.0, f64::from(i), -2.0) * 1e-9).collect();
     let mut answers = vec![Vector3::zeros(); 5];
     batch.respond_at(&points, &impulses, &mut answers).expect("valid points");
@@ -252,7 +254,7 @@ fn points_answer_as_their_nodes() {
         assert!((answer - expected).norm() <= 1e-13 * expected.norm(), "{point:?}");
         assert!(expected.norm() > 0.0);
     }
-    let off = Point { fiber: 3, segment: 0, fraction: 0.0 };
+    let off = Point::on_axis(3, 0, 0.0);
     batch.respond_at(&[off], &impulses[..1], &mut answers[..1]).expect_err("no such fibre");
 }
 
@@ -268,16 +270,17 @@ fn iterations_taken_one_by_one_end_in_the_same_step() {
     let impulses: Vec<_> =
         (0..batch.nodes()).map(|a| Vector3::new(0.1, -0.2, 0.05) * mass * (a % 7) as f64).collect();
     batch.abandon();
-    set_out_and_solve(&mut batch, 1e-3, &conditions, &impulses).expect("converges");
+    set_out_and_solve(&mut batch, 1e-3, &conditions, Impulses::on_nodes(&impulses))
+        .expect("converges");
     batch.accept();
     let expected: Vec<_> = (0..3).map(|fiber| batch.state(fiber)).collect();
     batch.restore(&start).expect("the same batch");
     let half: Vec<_> = impulses.iter().map(|impulse| impulse * 0.5).collect();
-    batch.set_out(1e-3, &conditions, &half, &mut reports).expect("sound");
+    batch.set_out(1e-3, &conditions, Impulses::on_nodes(&half), &mut reports).expect("sound");
     let mut turns = Vec::new();
     for _ in 0..6 {
         batch.linearize().expect("regular");
-        turns.push(batch.advance(&impulses).expect("regular"));
+        turns.push(batch.advance(Impulses::on_nodes(&impulses)).expect("regular"));
     }
     // What the last increment would add to first order is nothing any more.
     batch.linearize().expect("regular");
@@ -311,19 +314,20 @@ fn impulses_may_change_before_anything_moves() {
     let none = vec![Vector3::zeros(); batch.nodes()];
     let mut velocities = [none.clone(), none.clone(), none.clone(), none.clone()];
     batch.abandon();
-    set_out_and_solve(&mut batch, 1e-3, &conditions, &change).expect("converges");
+    set_out_and_solve(&mut batch, 1e-3, &conditions, Impulses::on_nodes(&change))
+        .expect("converges");
     batch.mean_velocities(&mut velocities[3]).expect("lengths");
     batch.abandon();
-    batch.press(&none).expect_err("no step is under way");
-    batch.set_out(1e-3, &conditions, &none, &mut reports).expect("sound");
+    batch.press(Impulses::on_nodes(&none)).expect_err("no step is under way");
+    batch.set_out(1e-3, &conditions, Impulses::on_nodes(&none), &mut reports).expect("sound");
     batch.linearize().expect("regular");
     batch.linear_velocities(&mut velocities[0]).expect("lengths");
-    batch.press(&change).expect("sound");
+    batch.press(Impulses::on_nodes(&change)).expect("sound");
     batch.linearize().expect("regular");
     batch.linear_velocities(&mut velocities[1]).expect("lengths");
     for _ in 0..6 {
         batch.linearize().expect("regular");
-        batch.advance(&change).expect("regular");
+        batch.advance(Impulses::on_nodes(&change)).expect("regular");
     }
     batch.mean_velocities(&mut velocities[2]).expect("lengths");
     let [without, with, found, expected] = &velocities;

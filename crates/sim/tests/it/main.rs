@@ -27,6 +27,7 @@ mod scenes;
 mod stepper;
 mod stick_slip;
 mod strip;
+mod surfaces;
 mod usd;
 mod water_wave;
 mod wet_pair;

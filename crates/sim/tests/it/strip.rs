@@ -92,10 +92,11 @@ impl Strip {
         ratio
     }
 
-    /// How far along the plane its tip has gone once its clamp has come down so far, a
-    /// two-hundredth a step: as one of 1 m and 1 N m^2.
+    /// How far along the plane its tip has slid once its clamp has come down so far, a
+    /// two-hundredth a step: as one of 1 m and 1 N m^2. Where it sticks, the round tip rolls on as
+    /// far back as it turns.
     fn gone(&self, way: f64, mu: f64) -> f64 {
-        let (radius, segments) = (0.005_f64, 50);
+        let (radius, segments) = (0.001_f64, 50);
         let modulus = 4.0 / (PI * radius.powi(4));
         let density = 0.01 / (PI * radius * radius);
         let (sin, cos) = self.lean.sin_cos();
@@ -118,7 +119,10 @@ impl Strip {
             -(way + 1e-4) / until
         ));
         run.steps(steps as usize);
-        run.positions(0)[segments].x
+        let nodes = run.positions(0);
+        let last = nodes[segments] - nodes[segments - 1];
+        let turned = last.x.atan2(-last.z) - self.natural()[0];
+        nodes[segments].x + radius * turned
     }
 }
 

@@ -6,6 +6,7 @@ mod residuals;
 
 use super::group_body::{DelassusCache, GroupBody};
 use super::laws::ContactLaws;
+use super::node_arrays::FiberVelocities;
 use super::velocities::Velocities;
 use crate::contact::system::CoupledSystem;
 use crate::contact_point::{BodyRef, ContactImpulse, ContactPoint};
@@ -75,23 +76,33 @@ pub(super) struct ProblemWorkspace {
 }
 
 impl ContactProblem {
-    /// The contacts of a step of `dt` seconds, whose contact points have their gaps where nodes
+    /// The contacts of a step of `dt` seconds, whose contact points have their gaps where fibres
     /// have the given mean velocities. What gives way has done so already under impulses as those
     /// of the step `before`, N s, world: along tangents only the rest of them moves it; along
     /// normals the gap tells.
     pub(super) fn new(
         system: &CoupledSystem,
-        points: Vec<ContactPoint>,
-        nodes: &[Vector3<f64>],
+        mut points: Vec<ContactPoint>,
+        mean: &FiberVelocities,
         dt: f64,
         laws: &ContactLaws,
         before: Vec<Vector3<f64>>,
         room: ProblemWorkspace,
     ) -> Result<Self, ContactError> {
         let ProblemWorkspace { laws: mut own, solved } = room;
+        let turning = system.fibers.turning_parts();
+        points.par_iter_mut().for_each(|point| {
+            for side in 0..2 {
+                let BodyRef::Fiber(fiber) = point.sides[side] else { continue };
+                if !turning[fiber as usize].contains(&point.at()[side]) {
+                    point.act_on_axis(side);
+                }
+            }
+        });
         let refused = Mutex::new(None::<(usize, ContactError)>);
         let start = system.fibers.velocities();
-        let (first, mean) = (Velocities::before(system, &start), Velocities::new(system, nodes));
+        let (first, mean) = (Velocities::before(system, &start), Velocities::new(system, mean));
+        let nodes = mean.nodes();
         let law = |(i, point): (usize, &ContactPoint)| {
             let frame = point.frame();
             let relative = |velocities: &Velocities| frame.tr_mul(&velocities.between(point));
@@ -238,8 +249,8 @@ impl ContactProblem {
         solver: &mut ContactSolver,
         patient: bool,
     ) -> Result<Report, ContactError> {
-        let nodes = system.fibers.linear_velocities();
-        let linear = Velocities::new(system, &nodes);
+        let fibers = system.fibers.linear_velocities();
+        let linear = Velocities::new(system, &fibers);
         let near = self.look(system, &linear);
         let works = near
             .par_iter()
@@ -264,7 +275,7 @@ impl ContactProblem {
         }
         let of_side = |&(i, side): &ContactSide| linear.of_side(&self.points[i], side);
         let velocities: Vec<_> = sides.par_iter().map(of_side).collect();
-        drop(nodes);
+        drop(fibers);
         let (laws, all) = (&self.laws, working.par_iter().zip(&index));
         let solved = all.map(|(&i, sides)| laws[i].contact(&self.points[i], *sides));
         self.solved.clear();
@@ -374,8 +385,9 @@ fn rod_point(system: &CoupledSystem, point: &ContactPoint, side: usize) -> Point
         BodyRef::Fiber(fiber) => system.fibers.lane(fiber as usize).1,
         BodyRef::Object(_) => 0,
     };
+    let (segment, fraction, arm) = (point.segments[side], point.fractions[side], point.lever(side));
     #[expect(clippy::cast_possible_truncation, reason = "there are eight lanes")]
-    Point { fiber: fiber as u32, segment: point.segments[side], fraction: point.fractions[side] }
+    Point { fiber: fiber as u32, segment, fraction, arm }
 }
 
 /// Something of every side, in lists as they are given.

@@ -1,7 +1,8 @@
-//! What the contacts of a step do where all nodes have given velocities.
+//! What the contacts of a step do where all fibres have given velocities.
 
 use super::ContactProblem;
 use crate::contact::contact_work::ContactWork;
+use crate::contact::node_arrays::FiberVelocities;
 use crate::contact::system::CoupledSystem;
 use crate::contact::velocities::Velocities;
 use crate::contact_point::ContactPoint;
@@ -27,9 +28,9 @@ impl ContactProblem {
         self.impulses[contact] != Vector3::zeros()
     }
 
-    /// How well the law holds where all nodes have the given mean velocities.
-    pub(crate) fn certificate(&self, system: &CoupledSystem, mean: &[Vector3<f64>]) -> Report {
-        let near = self.near_where(system, mean);
+    /// How well the law holds where all fibres have the given mean velocities.
+    pub(crate) fn certificate(&self, system: &CoupledSystem, mean: &FiberVelocities) -> Report {
+        let near = self.near_where(system, &mean.nodes);
         let mean = Velocities::new(system, mean);
         // What opens and bears nothing is right.
         let acting: Vec<usize> = near.into_par_iter().filter(|&i| self.acts(i, &mean)).collect();
@@ -39,8 +40,8 @@ impl ContactProblem {
     /// The contact that is farthest from the law in the substep that starts at `time`, s, where
     /// the rods are.
     pub(crate) fn worst(&self, system: &CoupledSystem, time: f64) -> Option<Unresolved> {
-        let nodes = system.fibers.mean_velocities();
-        let mean = Velocities::new(system, &nodes);
+        let mean = system.fibers.mean_velocities();
+        let mean = Velocities::new(system, &mean);
         let wrong = |i: usize| {
             let (contact, velocity, impulse, weight) = self.judged(i, &mean);
             Violation::new(&contact, &velocity, &impulse, weight).impulse
@@ -60,8 +61,8 @@ impl ContactProblem {
         (contact, velocity, impulse, self.weights[i])
     }
 
-    /// What the contacts do where all nodes have the given mean velocities.
-    pub(crate) fn work(&self, system: &CoupledSystem, mean: &[Vector3<f64>]) -> ContactWork {
+    /// What the contacts do where all fibres have the given mean velocities.
+    pub(crate) fn work(&self, system: &CoupledSystem, mean: &FiberVelocities) -> ContactWork {
         let mean = Velocities::new(system, mean);
         let of_one = |i: usize| {
             let point = &self.points[i];
@@ -103,14 +104,14 @@ impl ContactProblem {
     }
 
     /// Whether contacts with no kinematic object give, beyond what friction takes, a good part of
-    /// the kinetic energy that there was before the step, where nodes have the given mean
+    /// the kinetic energy that there was before the step, where fibres have the given mean
     /// velocities. Those give whose normals turned within the step so far that along them they were
     /// deeper at its start than may be: `repair`, m/s, is how fast what may be is repaired. What
     /// errors of the slip up to `slip`, m/s, give does not count.
     pub(crate) fn drives(
         &self,
         system: &CoupledSystem,
-        mean: &[Vector3<f64>],
+        mean: &FiberVelocities,
         repair: f64,
         slip: f64,
     ) -> bool {
@@ -129,11 +130,11 @@ impl ContactProblem {
     }
 
     /// Breaks the bonds of `strength`, N, that open against all that they bear, faster than
-    /// `tolerance`, m/s, where all nodes have the given mean velocities.
+    /// `tolerance`, m/s, where all fibres have the given mean velocities.
     pub(crate) fn tear(
         &mut self,
         system: &CoupledSystem,
-        mean: &[Vector3<f64>],
+        mean: &FiberVelocities,
         strength: f64,
         tolerance: f64,
     ) -> Result<(), ContactError> {
@@ -150,29 +151,29 @@ impl ContactProblem {
         Ok(())
     }
 
-    /// The contact points that may have closed where all nodes have the given mean velocities, with
-    /// their gaps there.
+    /// The contact points that may have closed where all fibres have the given mean velocities,
+    /// with their gaps there.
     pub(crate) fn near(
         &self,
         system: &CoupledSystem,
-        mean: &[Vector3<f64>],
+        mean: &FiberVelocities,
         dt: f64,
     ) -> Vec<ContactPoint> {
-        let near = self.near_where(system, mean);
+        let near = self.near_where(system, &mean.nodes);
         let mean = Velocities::new(system, mean);
         let one = |&i: &usize| ContactPoint { gap: self.gap(i, &mean, dt), ..self.points[i] };
         near.par_iter().map(one).collect()
     }
 
-    /// Sets the gaps along the normals to those where all nodes have the given mean velocities.
-    pub(crate) fn set_gaps(&mut self, system: &CoupledSystem, mean: &[Vector3<f64>], dt: f64) {
+    /// Sets the gaps along the normals to those where all fibres have the given mean velocities.
+    pub(crate) fn set_gaps(&mut self, system: &CoupledSystem, mean: &FiberVelocities, dt: f64) {
         let mean = Velocities::new(system, mean);
         let gap = |i| self.gap(i, &mean, dt);
         let gaps: Vec<f64> = (0..self.points.len()).into_par_iter().map(gap).collect();
         self.points.iter_mut().zip(gaps).for_each(|(point, gap)| point.gap = gap);
     }
 
-    /// The gap along the normal, m, where nodes have the given mean velocities.
+    /// The gap along the normal, m, where fibres have the given mean velocities.
     fn gap(&self, i: usize, mean: &Velocities, dt: f64) -> f64 {
         let law = &self.laws[i];
         // The bias may be another than that of the gap.

@@ -1,7 +1,7 @@
 //! What the integration tests share: reference cases, rods in scaled units.
 use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
 use rapunzel_fiber::{Fiber, Material, NodeProperties, Section};
-use rapunzel_rod_dynamic::{Conditions, RodStepReport, StaggeredBatch, StepError};
+use rapunzel_rod_dynamic::{Conditions, Impulses, RodStepReport, StaggeredBatch, StepError};
 use serde::Deserialize;
 
 /// Checks a method of second order in its mesh by its errors on a mesh and on one twice as fine,
@@ -253,7 +253,7 @@ pub(crate) fn set_out_and_solve(
     batch: &mut StaggeredBatch,
     dt: f64,
     conditions: &[&dyn Conditions],
-    impulses: &[Vector3<f64>],
+    impulses: Impulses,
 ) -> Result<(), StepError> {
     let mut reports = vec![RodStepReport::default(); batch.rods().len()];
     batch.set_out(dt, conditions, impulses, &mut reports)?;

@@ -86,6 +86,29 @@ fn impulses_are_in_the_ledger() {
     }
 }
 
+/// Impulses beside the axis too: their moments turn the segments, and work along that is of
+/// contacts.
+#[test]
+fn moments_are_in_the_ledger() {
+    let rod = Rod::damped(curly(12), 0.02);
+    let conditions = |t: f64| Instant { air: Some(wind(t)), ..Instant::clamped(swaying(t), DOWN) };
+    for rho in ALL {
+        let mut books = Books::new(batch(&rod, rho));
+        books.arm = Vector3::new(0.0, 0.02, -0.01);
+        let mut without = Books::new(batch(&rod, rho));
+        let mut apart = 0.0_f64;
+        for step in 0..60 {
+            let impulse = |a: usize| Vector3::new((a + step) as f64, 1.0, a as f64).map(f64::sin);
+            let impulses: Vec<_> = (0..=12).map(|a| 0.01 * impulse(a)).collect();
+            let [with, none] = [&mut books, &mut without]
+                .map(|books| books.step(0.01, &conditions, &impulses).contacts);
+            apart = apart.max((with - none).abs());
+        }
+        books.check(&format!("moments, {rho:?}"));
+        assert!(apart > 1e-3 * books.scale, "moments do work: {apart:e}");
+    }
+}
+
 /// Side by side each fibre has its own ledger, which also closes over the parts of a step that is
 /// halved, as a hair of 1 um does that whips.
 #[test]

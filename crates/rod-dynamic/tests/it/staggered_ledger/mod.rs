@@ -8,7 +8,8 @@ use crate::common::{chain, scaled, set_out_and_solve};
 use nalgebra::{Isometry3, Vector3};
 use rapunzel_fiber::Fiber;
 use rapunzel_rod_dynamic::{
-    Air, Conditions, Drag, Ledger, Rod, RodState, RodStepReport, StaggeredBatch, StepError,
+    Air, Conditions, Drag, Impulses, Ledger, Rod, RodState, RodStepReport, StaggeredBatch,
+    StepError,
 };
 
 /// The error of a ledger in parts of the work of its step: rounding of the inertia of places, over
@@ -50,11 +51,14 @@ struct Books {
     off: f64,
     solver: f64,
     scale: f64,
+    /// Arm of the impulses beside the axis, m.
+    arm: Vector3<f64>,
 }
 
 impl Books {
     fn new(batch: StaggeredBatch) -> Self {
-        Self { batch, sum: Ledger::default(), worst: 0.0, off: 0.0, solver: 0.0, scale: 0.0 }
+        let (sum, arm) = (Ledger::default(), Vector3::zeros());
+        Self { batch, sum, worst: 0.0, off: 0.0, solver: 0.0, scale: 0.0, arm }
     }
 
     fn energies(&self) -> [f64; 2] {
@@ -77,7 +81,11 @@ impl Books {
         if impulses.is_empty() {
             self.batch.step(dt, &[conditions], &mut reports)?;
         } else {
-            set_out_and_solve(&mut self.batch, dt, &[conditions], impulses)?;
+            // Beside them moments that turn the segments, as far as what they weigh lets them.
+            let turned = |pair: &[Vector3<f64>]| self.arm.cross(&(pair[0] + pair[1]));
+            let segments: Vec<_> = impulses.windows(2).map(turned).collect();
+            let all = Impulses { nodes: impulses, segments: &segments };
+            set_out_and_solve(&mut self.batch, dt, &[conditions], all)?;
             self.batch.accept();
         }
         let after = self.energies();

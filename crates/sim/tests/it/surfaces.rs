@@ -1,0 +1,80 @@
+//! Contacts act where surfaces touch, beside the axes of fibres.
+
+use crate::common::Run;
+use std::f64::consts::PI;
+
+/// A stiff fibre presses on a drum; its clamp and the drum turn together as one body. Nothing
+/// slips, whichever way they turn: friction does no more work than the slip that a step may leave.
+#[test]
+fn what_turns_together_does_not_slip() {
+    let press = 1.3e-2;
+    for rate in [90.0, -90.0] {
+        // From the root, at (-0.02, 0, 0.0105), the axis of the drum is in this direction.
+        let root = [-0.02_f64, 0.010_500_1];
+        let far = root[0].hypot(root[1]);
+        let mut run = Run::read(&format!(
+            "(format: 1, duration: 1.0, fibers: [(length: 0.04, segments: 9,
+                section: Circle(radius: 0.0005), damping_time: 1e-3,
+                material: Elastic(density: 1000, youngs_modulus: 2e9, shear_modulus: 7e8),
+                root: (position: ({:?}, 0, {:?}), orientation: Along(direction: (1, 0, 0))),
+                motion: Swing(angle: {rate:?}, radius: {far:?}, period: 2.0, axis: (0, 1, 0),
+                    center: ({:?}, 0, {:?}), pace: Constant),
+                tip: Loaded(force: (value: (5e-3, 0, 0), frame: Follower,
+                    profile: Ramp(until: 0.1))))],
+            objects: [(shape: Capsule(length: 0.06, radius: 0.01), turn: (90, 0, 0),
+                motion: Rotate(axis: (0, 1, 0), rate: {rate:?}, until: 1.0))],
+            environment: (gravity: (0, 0, 0)),
+            contact: (friction: Isotropic(0.3), slip: 1e-6), stepper: (dt: 1e-3))",
+            root[0],
+            root[1],
+            -root[0] / far,
+            -root[1] / far
+        ));
+        run.steps(200);
+        let (before, start) = (run.world.contact_work().friction, run.world.time());
+        run.steps(400);
+        let force = run.world.force_on(0).norm();
+        assert!(force > 0.5 * press && force < 2.0 * press, "{force} N");
+        let work = run.world.contact_work().friction - before;
+        let allowed = 1e-6 * (run.world.time() - start) * 2.0 * press;
+        assert!(work.abs() < allowed, "{work:e} J of {allowed:e} J, at {rate}");
+    }
+}
+
+/// A bar below a fibre that is drawn along itself, across the fibre, rolls and bends it: the force
+/// is that of two springs in series, the cantilever of its bending and the torsion of what is
+/// between clamp and contact at the lever of its radius. The torsion gives way ten times as much.
+#[test]
+fn a_contact_twists_a_clamped_fiber() {
+    let (radius, length, segments) = (2e-3_f64, 20e-3, 40_u32);
+    let (young, shear) = (1e8, 2.5e5);
+    let arm = length * (1.0 - 0.5 / f64::from(segments));
+    let drawn = 1e-5;
+    let mut run = Run::read(&format!(
+        "(format: 1, duration: 1.0, fibers: [(length: {length:?}, segments: {segments},
+            section: Circle(radius: {radius:?}), damping_time: 1e-3,
+            material: Elastic(density: 1000, youngs_modulus: {young:?}, shear_modulus: {shear:?}),
+            root: (position: (0, 0, {radius:?}), orientation: Along(direction: (1, 0, 0))),
+            tip: Loaded(force: (value: (0, 0, -0.02))))],
+        objects: [(shape: Capsule(length: 0.06, radius: 0.02), turn: (90, 0, 0),
+            position: ({arm:?}, 0, -0.02),
+            motion: Translate(velocity: (0, {:?}, 0), until: 0.1))],
+        contact: (friction: Isotropic(0.5), residual: 1e-8, slip: 1e-9),
+        environment: (gravity: (0, 0, 0), viscosity: 1e-3), stepper: (dt: 1e-3))",
+        drawn / 0.1
+    ));
+    run.steps(400);
+    let inertia = PI / 4.0 * radius.powi(4);
+    let (bending, torsion) = (young * inertia, shear * 2.0 * inertia);
+    let gives = [arm.powi(3) / (3.0 * bending), radius * radius * arm / torsion];
+    let expected = drawn / (gives[0] + gives[1]);
+    let found = run.world.force_on(0).y;
+    // A chain of segments bends as the rod but for the square of their length; what twists is as
+    // long as the middle of a segment is away.
+    let error = (found + expected).abs() / expected;
+    assert!(gives[1] > 5.0 * gives[0], "{gives:?}");
+    assert!(
+        error < 1.0 / f64::from(segments * segments) + drawn / radius,
+        "{found} N, {expected} N"
+    );
+}
