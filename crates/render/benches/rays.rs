@@ -37,6 +37,12 @@ fn bench(c: &mut Criterion) {
             b.iter(|| Curves::new(CurveForm::Cubic, None, &fibers));
         });
     }
+    // As much as a head of hair has.
+    let fibers = wavy::wavy(100_000, 100);
+    group.throughput(Throughput::Elements(100_000 * 99));
+    group.bench_function("build/100000", |b| {
+        b.iter_with_large_drop(|| Curves::new(CurveForm::Cubic, None, &fibers));
+    });
     group.finish();
 }
 

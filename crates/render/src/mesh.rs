@@ -71,12 +71,12 @@ impl TriangleMesh {
         let middle = nalgebra::center(&low, &high);
         let extent = (0.5 * (high - low).amax()).max(f64::MIN_POSITIVE) * (1.0 + 1e-6);
         let spare = Vector3::repeat(rounding(extent));
-        let bounds = |corners: &[u32; 3]| {
+        let bounds = |(index, corners): (u32, &[u32; 3])| {
             let [a, b, c] = corners.map(|corner| vertices[corner as usize] - middle);
             let (low, high) = (a.inf(&b).inf(&c) - spare, a.sup(&b).sup(&c) + spare);
-            RayBox::new(single(&low.into()), single(&high.into()))
+            RayBox::new(single(&low.into()), single(&high.into()), index)
         };
-        let (tree, leaves) = RayTree::new(triangles.iter().map(bounds).collect());
+        let (tree, leaves) = RayTree::new((0..).zip(&triangles).map(bounds).collect());
         Ok(Self { vertices, triangles, normals, tree, leaves, middle, extent })
     }
 

@@ -1,5 +1,5 @@
 use super::tube::Tube;
-use crate::tree::{LeafThings, NONE, RayBox, SignBits, TreeRay, WIDTH, single};
+use crate::tree::{RayBox, SignBits, TreeRay, WIDTH, single};
 use nalgebra::Vector3;
 use pulp::Simd;
 use rapunzel_lanes::{Lane, V3};
@@ -30,6 +30,11 @@ impl CurvePart {
         (0..1 << level).map(move |part| Self(piece << 5 | part << 2 | level))
     }
 
+    /// The part that is a thing in a tree over the boxes of parts.
+    pub(super) fn from_thing(thing: u32) -> Self {
+        Self(thing)
+    }
+
     /// The piece, by its first control point.
     pub(super) fn piece(self) -> u32 {
         self.0 >> 5
@@ -58,24 +63,27 @@ pub(super) struct CurveCapsule {
 }
 
 impl CurveCapsule {
-    /// The capsule that holds a part of a tube at all times between two, at which it is given, with
-    /// `spare`, m, for roundings.
-    pub(super) fn new(part: CurvePart, tubes: &[Tube; 2], spare: f64) -> Self {
+    /// The capsule that holds a part of a tube at rest, with `spare`, m, for roundings.
+    #[inline(always)]
+    pub(super) fn new(part: CurvePart, tube: &Tube, spare: f64) -> Self {
         let [start, length] = part.range();
-        let parabola = |tube: &Tube| {
-            let [a, middle, b] = [0.0, 0.5, 1.0].map(|t| tube.curve.at(start + t * length));
-            [a, b, 4.0 * middle - 2.0 * (a + b)]
-        };
-        let ([a, b, bulge], then) = (parabola(&tubes[0]), parabola(&tubes[1]));
-        let of = |tube: &Tube, bulge: &Vector3<f64>| {
-            tube.widest() + tube.curve.off_parabola(length) + UNFOUND * bulge.norm()
-        };
-        let reach = of(&tubes[0], &bulge).max(of(&tubes[1], &then[2])) + spare;
-        let ways = [then[0] - a, then[1] - b, then[2] - bulge];
-        Self { part, ends: [a, b], bulge, ways, reach }
+        let [a, middle, b] = [0.0, 0.5, 1.0].map(|t| tube.curve.at(start + t * length));
+        let bulge = 4.0 * middle - 2.0 * (a + b);
+        let off = tube.curve.off_parabola(length);
+        let reach = tube.widest() + off + UNFOUND * bulge.norm() + spare;
+        Self { part, ends: [a, b], bulge, ways: [Vector3::zeros(); 3], reach }
+    }
+
+    /// The same if the tube is another when the exposure ends.
+    pub(super) fn to(self, tube: &Tube, spare: f64) -> Self {
+        let then = Self::new(self.part, tube, spare);
+        let [a, b] = [0, 1].map(|k| then.ends[k] - self.ends[k]);
+        let ways = [a, b, then.bulge - self.bulge];
+        Self { ways, reach: self.reach.max(then.reach), ..self }
     }
 
     /// The box around it at all times: that of the three control points of the parabola.
+    #[inline(always)]
     pub(super) fn bounds(&self) -> RayBox {
         let of = |a: Vector3<f64>, b: Vector3<f64>, bulge: Vector3<f64>| {
             let control = 0.5 * (a + b + bulge);
@@ -85,7 +93,7 @@ impl CurveCapsule {
         let (now, then) = (of(a, b, self.bulge), of(a + u, b + v, self.bulge + w));
         let reach = Vector3::repeat(self.reach);
         let (low, high) = (now[0].inf(&then[0]) - reach, now[1].sup(&then[1]) + reach);
-        RayBox::new(single(&low.into()), single(&high.into()))
+        RayBox::new(single(&low.into()), single(&high.into()), self.part.0)
     }
 }
 
@@ -100,20 +108,22 @@ pub(super) struct MovingEnds {
 }
 
 impl MovingEnds {
-    /// The ways in a leaf.
-    pub(super) fn new(leaf: &LeafThings, capsule: impl Fn(u32) -> CurveCapsule) -> Self {
+    /// No ways.
+    pub(super) const REST: Self = {
         let zeros = [[0.0; WIDTH]; 3];
-        let mut ways = Self { start: zeros, axis: zeros, bulge: zeros };
-        for (lane, &index) in leaf.iter().enumerate().filter(|(_, index)| **index != NONE) {
-            let [a, b, bulge] = capsule(index).ways;
-            let [start, axis, bulge] = [a, b - a, bulge].map(|way| single(&way.into()));
-            for d in 0..3 {
-                ways.start[d][lane] = start[d];
-                ways.axis[d][lane] = axis[d];
-                ways.bulge[d][lane] = bulge[d];
-            }
+        Self { start: zeros, axis: zeros, bulge: zeros }
+    };
+
+    /// Puts the ways of a capsule into a lane.
+    #[inline(always)]
+    pub(super) fn set(&mut self, lane: usize, capsule: &CurveCapsule) {
+        let [a, b, bulge] = capsule.ways;
+        let [start, axis, bulge] = [a, b - a, bulge].map(|way| single(&way.into()));
+        for d in 0..3 {
+            self.start[d][lane] = start[d];
+            self.axis[d][lane] = axis[d];
+            self.bulge[d][lane] = bulge[d];
         }
-        ways
     }
 }
 
@@ -130,24 +140,25 @@ pub(super) struct CapsuleBlock {
 }
 
 impl CapsuleBlock {
-    /// The capsules of a leaf.
-    pub(super) fn new(leaf: &LeafThings, capsule: impl Fn(u32) -> CurveCapsule) -> Self {
+    /// No capsules.
+    pub(super) const EMPTY: Self = {
         let zeros = [[0.0; WIDTH]; 3];
         let parts = [CurvePart(0); WIDTH];
-        let reach = [-1.0; WIDTH];
-        let mut block = Self { start: zeros, axis: zeros, bulge: zeros, reach, parts };
-        for (lane, &index) in leaf.iter().enumerate().filter(|(_, index)| **index != NONE) {
-            let CurveCapsule { part, ends: [a, b], bulge, reach, .. } = capsule(index);
-            let [start, axis, bulge] = [a, b - a, bulge].map(|v| single(&v.into()));
-            for d in 0..3 {
-                block.start[d][lane] = start[d];
-                block.axis[d][lane] = axis[d];
-                block.bulge[d][lane] = bulge[d];
-            }
-            [block.reach[lane]] = single(&[reach]);
-            block.parts[lane] = part;
+        Self { start: zeros, axis: zeros, bulge: zeros, reach: [-1.0; WIDTH], parts }
+    };
+
+    /// Puts a capsule into a lane.
+    #[inline(always)]
+    pub(super) fn set(&mut self, lane: usize, capsule: &CurveCapsule) {
+        let CurveCapsule { part, ends: [a, b], bulge, reach, .. } = *capsule;
+        let [start, axis, bulge] = [a, b - a, bulge].map(|v| single(&v.into()));
+        for d in 0..3 {
+            self.start[d][lane] = start[d];
+            self.axis[d][lane] = axis[d];
+            self.bulge[d][lane] = bulge[d];
         }
-        block
+        [self.reach[lane]] = single(&[reach]);
+        self.parts[lane] = part;
     }
 
     /// The part in a lane.

@@ -8,7 +8,7 @@ mod store;
 mod tube;
 
 use crate::check::check;
-use crate::tree::{RayQuery, RayTree, TreeRay, rounding, single, walk};
+use crate::tree::{LeafThings, NONE, RayQuery, RayTree, TreeRay, WIDTH, rounding, single, walk};
 use crate::{Ray, RenderError};
 use capsules::{CapsuleBlock, CurveCapsule, CurvePart, MovingEnds};
 pub use fiber::FiberCurve;
@@ -17,8 +17,12 @@ pub use piece::CurveForm;
 use rayon::prelude::*;
 use search::CurveSearch;
 use store::CurveStore;
+use tube::Tube;
 pub(crate) use tube::across;
 pub use tube::{CurveHit, TubePoint};
+
+/// Leaves that are filled together.
+const BATCH: usize = 4096;
 
 /// Fibres as tubes, in a tree that finds where rays meet them.
 ///
@@ -72,31 +76,30 @@ impl Curves {
         let middle = nalgebra::center(&low, &high);
         // What is flat still has an inside.
         let extent = (0.5 * (high - low).amax()).max(f64::MIN_POSITIVE) * (1.0 + 1e-6);
-
-        let spare = rounding(extent);
-        // The piece when the exposure begins and when it ends.
-        let tubes = |piece: u32| {
-            let tube = |time| store.tube(piece as usize, time, &middle);
-            let start = tube(0.0);
-            [start, if store.moves() { tube(1.0) } else { start }]
+        let (spare, moves) = (rounding(extent), store.moves());
+        // A piece when the exposure begins, 0, or ends, 1, and what holds a part of it.
+        let tube = |piece: u32, time| store.tube(piece as usize, time, &middle);
+        let capsule = |part: CurvePart, now: &Tube| {
+            let still = CurveCapsule::new(part, now, spare);
+            if moves { still.to(&tube(part.piece(), 1.0), spare) } else { still }
         };
-        let of_piece = |piece: u32| {
-            let tubes = tubes(piece);
-            let bounds = move |part| CurveCapsule::new(part, &tubes, spare).bounds();
-            CurvePart::all(piece, &tubes[0]).map(move |part| (part, bounds(part)))
+        let of_fiber = |[first, end]: [u32; 2]| {
+            let mut boxes = Vec::with_capacity((end - first) as usize);
+            for piece in first..end {
+                let now = tube(piece, 0.0);
+                let bounds = |part| capsule(part, &now).bounds();
+                boxes.extend(CurvePart::all(piece, &now).map(bounds));
+            }
+            boxes
         };
-        let of_fiber = |[first, end]: &[u32; 2]| (*first..*end).flat_map(of_piece);
         let pieces: Vec<_> = store.pieces().collect();
-        let (parts, boxes): (Vec<CurvePart>, Vec<_>) =
-            pieces.par_iter().flat_map_iter(of_fiber).unzip();
+        let boxes = pieces.into_par_iter().flat_map_iter(of_fiber).collect();
         let (tree, leaves) = RayTree::new(boxes);
-        let of = |index: u32| {
-            let part = parts[index as usize];
-            CurveCapsule::new(part, &tubes(part.piece()), spare)
-        };
-        let blocks = leaves.par_iter().map(|leaf| CapsuleBlock::new(leaf, of)).collect();
-        let moving = if store.moves() {
-            leaves.par_iter().map(|leaf| MovingEnds::new(leaf, of)).collect()
+        let of = |part: CurvePart| capsule(part, &tube(part.piece(), 0.0));
+        let set = |block: &mut CapsuleBlock, lane, part| block.set(lane, &of(part));
+        let blocks = filled(&leaves, CapsuleBlock::EMPTY, set);
+        let moving = if moves {
+            filled(&leaves, MovingEnds::REST, |ways, lane, part| ways.set(lane, &of(part)))
         } else {
             Vec::new()
         };
@@ -168,4 +171,25 @@ impl Curves {
     pub(crate) fn between(&self, point: &TubePoint, at_nodes: &[Vector3<f32>]) -> Vector3<f32> {
         self.store.between(point, at_nodes)
     }
+}
+
+/// What is made of leaves, filled lane by lane with what is made of parts. The parts of a batch
+/// come in the order of the fibres: what they are made of lies side by side in memory, and far from
+/// that of the neighbours in a leaf.
+fn filled<T: Copy + Send + Sync>(
+    leaves: &[LeafThings],
+    empty: T,
+    set: impl Fn(&mut T, usize, CurvePart) + Sync,
+) -> Vec<T> {
+    let mut all: Vec<T> = leaves.par_iter().map(|_| empty).collect();
+    all.par_chunks_mut(BATCH).zip(leaves.par_chunks(BATCH)).for_each(|(batch, leaves)| {
+        let things = leaves.as_flattened().iter().copied().zip(0_u32..);
+        let mut order: Vec<_> = things.filter(|(thing, _)| *thing != NONE).collect();
+        order.sort_unstable_by_key(|(thing, at)| u64::from(*thing) << 32 | u64::from(*at));
+        for (thing, at) in order {
+            let at = at as usize;
+            set(&mut batch[at / WIDTH], at % WIDTH, CurvePart::from_thing(thing));
+        }
+    });
+    all
 }

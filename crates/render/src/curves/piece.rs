@@ -67,12 +67,14 @@ impl CurvePiece {
 
     /// How far the curve is at most, m, from the parabola through the ends and the middle of a part
     /// of the length `part`: the third derivative times the maximum of `a (a - 1/2) (a - 1) / 6`.
+    #[inline(always)]
     pub(super) fn off_parabola(&self, part: f64) -> f64 {
         0.008_02 * 6.0 * self.c[3].norm() * part.powi(3)
     }
 
     /// How far the curve is from its chords, m, if it is cut into so many equal parts: at most an
     /// eighth of the second derivative, which is largest at an end.
+    #[inline(always)]
     pub(super) fn sagitta(&self, parts: u32) -> f64 {
         let bend = self.bend(0.0).norm().max(self.bend(1.0).norm());
         bend / (8.0 * f64::from(parts * parts))

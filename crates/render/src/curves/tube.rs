@@ -55,6 +55,7 @@ pub(super) struct Tube {
 
 impl Tube {
     /// The largest distance of a point of the section from the curve, m.
+    #[inline(always)]
     pub(super) fn widest(&self) -> f64 {
         let [a, b] = self.aspect;
         self.radii[0].max(self.radii[1]) * a.max(b)

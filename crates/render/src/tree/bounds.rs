@@ -1,9 +1,12 @@
+use pulp::Simd;
+use rapunzel_lanes::Lane;
+
 /// A box in single precision, m, from the middle of a tree.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(align(32))]
 pub(crate) struct RayBox {
     /// The lowest coordinates, negated, and the highest, so that a box grows by maxima alone. What
-    /// lies behind either fills the register; a builder keeps an index in the last.
+    /// lies behind either fills the register; the last is the index of what is in the box.
     faces: [f32; 8],
 }
 
@@ -11,23 +14,22 @@ impl RayBox {
     /// The box that holds nothing.
     pub(crate) const EMPTY: Self = Self { faces: [f32::NEG_INFINITY; 8] };
 
-    /// The box of two corners.
-    pub(crate) fn new(low: [f32; 3], high: [f32; 3]) -> Self {
+    /// The box of two corners around the thing of an index.
+    #[inline(always)]
+    pub(crate) fn new(low: [f32; 3], high: [f32; 3], index: u32) -> Self {
         let ([a, b, c], [x, y, z]) = (low, high);
-        Self { faces: [-a, -b, -c, 0.0, x, y, z, 0.0] }
+        Self { faces: [-a, -b, -c, 0.0, x, y, z, f32::from_bits(index)] }
     }
 
-    /// Grows to hold another box.
+    /// Grows to hold another box, in registers of at most eight numbers.
     #[inline(always)]
-    pub(super) fn hold(&mut self, other: &Self) {
-        // Whole at once: single numbers would be stored under a mask, which the next load waits
-        // for.
-        let mut faces = [0.0; 8];
-        for d in 0..8 {
-            let (a, b) = (self.faces[d], other.faces[d]);
-            faces[d] = if b > a { b } else { a };
+    pub(super) fn hold<S: Simd>(&mut self, simd: S, other: &Self) {
+        for register in 0..self.faces.len() / S::F32_LANES {
+            let [a, b] = [&self.faces, &other.faces].map(|all| Lane::load(simd, all, register));
+            // A choice of numbers would be compiled to stores under a mask, which are slow, and
+            // which the next load waits for.
+            b.max(a).store(&mut self.faces, register);
         }
-        self.faces = faces;
     }
 
     #[inline(always)]
@@ -59,14 +61,10 @@ impl RayBox {
         x * y + y * z + z * x
     }
 
-    /// The index that the builder gave it.
+    /// The index of what is in it.
     #[inline(always)]
     pub(super) fn index(&self) -> u32 {
         self.faces[7].to_bits()
-    }
-
-    pub(super) fn set_index(&mut self, index: u32) {
-        self.faces[7] = f32::from_bits(index);
     }
 }
 

@@ -1,13 +1,14 @@
 use super::bounds::RayBox;
 use super::node::{LEAF, LeafThings, NONE, RayNode, WIDTH, short};
-use pulp::{Arch, NullaryFnOnce};
+use super::registers::of_eight;
+use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 
 /// Candidates for a split along each axis.
 const BINS: usize = 16;
 const LAST_BIN: f32 = BINS as f32 - 1.0;
 /// Boxes that are looked at, or twice as many, to find a split.
-const SAMPLED: usize = 4096;
+const SAMPLED: usize = 1024;
 /// Things of which several threads take parts.
 const MANY: usize = 1 << 14;
 /// Levels of nodes after which parts are halved, so that a walk has room for what waits.
@@ -16,44 +17,56 @@ const DEEPEST: u32 = 9;
 /// The nodes of a tree over boxes, the root first, and the things of every leaf.
 pub(super) fn build(boxes: Vec<RayBox>) -> (Vec<RayNode>, Vec<LeafThings>) {
     let mut boxes = boxes;
-    for (index, bounds) in (0..).zip(&mut boxes) {
-        bounds.set_index(index);
+    let mut tree = Subtree::default();
+    if !boxes.is_empty() {
+        tree.grow((of_eight(HullKernel(&boxes)), &mut boxes), 0);
     }
-    if boxes.is_empty() {
-        return (Vec::new(), Vec::new());
-    }
-    let Subtree { nodes, leaves } = Subtree::new(&mut boxes, 0);
-    (nodes, leaves)
+    (tree.nodes, tree.leaves)
 }
 
+/// Boxes and their hull.
+type Part<'a> = (RayBox, &'a mut [RayBox]);
+
 /// A node and all below it; indices count from here.
+#[derive(Default)]
 struct Subtree {
     nodes: Vec<RayNode>,
     leaves: Vec<LeafThings>,
 }
 
 impl Subtree {
-    fn new(boxes: &mut [RayBox], level: u32) -> Self {
-        let many = boxes.len() >= MANY;
-        let (parts, count) = parted(boxes, level);
-        let parts = &mut { parts }[..count];
-        let below = |(_, part): &mut (RayBox, &mut [RayBox])| {
-            (part.len() > WIDTH).then(|| Self::new(part, level + 1))
-        };
-        let children: Vec<_> = if many {
-            parts.par_iter_mut().map(below).collect()
-        } else {
-            parts.iter_mut().map(below).collect()
-        };
-        let mut tree = Self { nodes: vec![RayNode::EMPTY], leaves: Vec::new() };
-        for (lane, (child, (bounds, part))) in children.into_iter().zip(parts).enumerate() {
-            let index = match child {
-                Some(below) => tree.adopt(below),
-                None => tree.add_leaf(part),
+    /// Adds a node over boxes and all below it; it as a child.
+    fn grow(&mut self, part: Part<'_>, level: u32) -> u32 {
+        let many = part.1.len() >= MANY;
+        let (mut parts, count) = parted(part, level);
+        let parts = &mut parts[..count];
+        let node = self.nodes.len();
+        self.nodes.push(RayNode::EMPTY);
+        if many {
+            let below = |(bounds, part): &mut Part<'_>| {
+                let mut tree = Self::default();
+                let child = tree.grow_child((*bounds, part), level);
+                (*bounds, child, tree)
             };
-            tree.nodes[0].set(lane, bounds, index);
+            let children: Vec<_> = parts.par_iter_mut().map(below).collect();
+            self.nodes.reserve(children.iter().map(|(.., tree)| tree.nodes.len()).sum());
+            self.leaves.reserve(children.iter().map(|(.., tree)| tree.leaves.len()).sum());
+            for (lane, (bounds, child, tree)) in children.into_iter().enumerate() {
+                let child = child + self.adopt(tree, child & LEAF != 0);
+                self.nodes[node].set(lane, &bounds, child);
+            }
+        } else {
+            for (lane, (bounds, part)) in parts.iter_mut().enumerate() {
+                let child = self.grow_child((*bounds, part), level);
+                self.nodes[node].set(lane, bounds, child);
+            }
         }
-        tree
+        short(node)
+    }
+
+    /// Adds a part of a node on a level; it as a child.
+    fn grow_child(&mut self, part: Part<'_>, level: u32) -> u32 {
+        if part.1.len() > WIDTH { self.grow(part, level + 1) } else { self.add_leaf(part.1) }
     }
 
     /// Adds a leaf; it as a child.
@@ -66,8 +79,9 @@ impl Subtree {
         short(self.leaves.len() - 1) | LEAF
     }
 
-    /// Takes the nodes and leaves of another in; the index of its first node.
-    fn adopt(&mut self, mut other: Self) -> u32 {
+    /// Takes the nodes and leaves of another in; by how much indices in it grow, of leaves or of
+    /// nodes.
+    fn adopt(&mut self, mut other: Self, leaves: bool) -> u32 {
         let (node, leaf) = (short(self.nodes.len()), short(self.leaves.len()));
         for child in other.nodes.iter_mut().flat_map(|node| &mut node.children) {
             if *child != NONE {
@@ -76,16 +90,14 @@ impl Subtree {
         }
         self.nodes.append(&mut other.nodes);
         self.leaves.append(&mut other.leaves);
-        node
+        if leaves { leaf } else { node }
     }
 }
 
-type Parts<'a> = [(RayBox, &'a mut [RayBox]); WIDTH];
-
-/// Boxes in at most eight parts, each with its hull; the largest is split as long as there is room.
-fn parted(boxes: &mut [RayBox], level: u32) -> (Parts<'_>, usize) {
-    let mut parts: Parts<'_> = std::array::from_fn(|_| (RayBox::EMPTY, &mut [][..]));
-    parts[0] = (hull(boxes), boxes);
+/// Boxes in at most eight parts; the largest is split as long as there is room.
+fn parted(whole: Part<'_>, level: u32) -> ([Part<'_>; WIDTH], usize) {
+    let mut parts: [Part<'_>; WIDTH] = std::array::from_fn(|_| (RayBox::EMPTY, &mut [][..]));
+    parts[0] = whole;
     let mut count = 1;
     while count < WIDTH {
         let wide = (0..count).filter(|&k| parts[k].1.len() > WIDTH);
@@ -93,49 +105,62 @@ fn parted(boxes: &mut [RayBox], level: u32) -> (Parts<'_>, usize) {
             |&a: &usize, &b: &usize| parts[a].0.half_area().total_cmp(&parts[b].0.half_area());
         let Some(largest) = wide.max_by(area) else { break };
         let part = std::mem::take(&mut parts[largest].1);
-        let middle =
-            if level < DEEPEST { Arch::new().dispatch(SplitKernel(part)) } else { part.len() / 2 };
+        let (middle, [first, second]) = if level < DEEPEST { split(part) } else { halved(part) };
         let (a, b) = part.split_at_mut(middle);
-        parts[largest] = (hull(a), a);
-        parts[count] = (hull(b), b);
+        parts[largest] = (first, a);
+        parts[count] = (second, b);
         count += 1;
     }
     (parts, count)
 }
 
 /// The hull of boxes.
-fn hull(boxes: &[RayBox]) -> RayBox {
-    Arch::new().dispatch(HullKernel(boxes))
+#[inline(always)]
+fn hull<S: Simd>(simd: S, boxes: &[RayBox]) -> RayBox {
+    let mut hull = RayBox::EMPTY;
+    boxes.iter().for_each(|bounds| hull.hold(simd, bounds));
+    hull
 }
 
 struct HullKernel<'a>(&'a [RayBox]);
 
-impl NullaryFnOnce for HullKernel<'_> {
+impl WithSimd for HullKernel<'_> {
     type Output = RayBox;
 
     #[inline(always)]
-    fn call(self) -> RayBox {
-        let mut hull = RayBox::EMPTY;
-        self.0.iter().for_each(|bounds| hull.hold(bounds));
-        hull
+    fn with_simd<S: Simd>(self, simd: S) -> RayBox {
+        hull(simd, self.0)
     }
 }
 
+/// The length of the first half of boxes, and the hulls of both.
+fn halved(boxes: &[RayBox]) -> (usize, [RayBox; 2]) {
+    let middle = boxes.len() / 2;
+    let (a, b) = boxes.split_at(middle);
+    (middle, [a, b].map(|half| of_eight(HullKernel(half))))
+}
+
 /// Reorders boxes into two parts that are not empty, where the surface area heuristic is least; the
-/// length of the first.
+/// length of the first, and the hulls of both.
+fn split(boxes: &mut [RayBox]) -> (usize, [RayBox; 2]) {
+    of_eight(SplitKernel(boxes)).unwrap_or_else(|| halved(boxes))
+}
+
+/// What [`split`] does; nothing if the boxes have one middle, or a part of them does not tell where
+/// to split all.
 struct SplitKernel<'a>(&'a mut [RayBox]);
 
-impl NullaryFnOnce for SplitKernel<'_> {
-    type Output = usize;
+impl WithSimd for SplitKernel<'_> {
+    type Output = Option<(usize, [RayBox; 2])>;
 
     #[inline(always)]
-    fn call(self) -> usize {
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         let Self(boxes) = self;
         // Of many boxes a part tells as well where to split.
         let every = (boxes.len() / SAMPLED).max(1);
         let mut centers = RayBox::EMPTY;
         for bounds in boxes.iter().step_by(every) {
-            centers.hold(&bounds.center());
+            centers.hold(simd, &bounds.center());
         }
         let slabs = [0, 1, 2].map(|axis| Slabs::new(&centers, axis));
         let mut counts = [[0_u32; BINS]; 3];
@@ -144,29 +169,37 @@ impl NullaryFnOnce for SplitKernel<'_> {
             for axis in 0..3 {
                 let bin = slabs[axis].bin(bounds);
                 counts[axis][bin] += 1;
-                hulls[axis][bin].hold(bounds);
+                hulls[axis][bin].hold(simd, bounds);
             }
         }
         let mut best = (f32::INFINITY, 0, 0);
         for axis in (0..3).filter(|&axis| slabs[axis].scale > 0.0) {
-            let (cost, bin) = cheapest(&counts[axis], &hulls[axis]);
+            let (cost, bin) = cheapest(simd, &counts[axis], &hulls[axis]);
             if cost < best.0 {
                 best = (cost, axis, bin);
             }
         }
         let (_, axis, bin) = best;
-        // All have one middle.
         if bin == 0 {
-            return boxes.len() / 2;
+            return None;
         }
-        let mut first = 0;
+        let (slabs, mut first) = (slabs[axis], 0);
         for k in 0..boxes.len() {
-            let below = slabs[axis].bin(&boxes[k]) < bin;
+            let below = slabs.bin(&boxes[k]) < bin;
             boxes.swap(first, k);
             first += usize::from(below);
         }
-        // A split of a part may be none of all.
-        if first == 0 || first == boxes.len() { boxes.len() / 2 } else { first }
+        if first == 0 || first == boxes.len() {
+            return None;
+        }
+        let hulls = if every == 1 {
+            let (a, b) = hulls[axis].split_at(bin);
+            [hull(simd, a), hull(simd, b)]
+        } else {
+            let (a, b) = boxes.split_at(first);
+            [hull(simd, a), hull(simd, b)]
+        };
+        Some((first, hulls))
     }
 }
 
@@ -202,20 +235,20 @@ impl Slabs {
 /// The cost of the cheapest split and the first slab of its second part; a part's cost is its
 /// number of leaves times the surface of its hull. The first and the last slab are not empty.
 #[inline(always)]
-fn cheapest(counts: &[u32; BINS], hulls: &[RayBox; BINS]) -> (f32, usize) {
+fn cheapest<S: Simd>(simd: S, counts: &[u32; BINS], hulls: &[RayBox; BINS]) -> (f32, usize) {
     let cost = |count: u32, hull: &RayBox| count.div_ceil(short(WIDTH)) as f32 * hull.half_area();
     let mut costs = [0.0; BINS];
     let (mut count, mut hull) = (0, RayBox::EMPTY);
     for b in (1..BINS).rev() {
         count += counts[b];
-        hull.hold(&hulls[b]);
+        hull.hold(simd, &hulls[b]);
         costs[b] = cost(count, &hull);
     }
     (count, hull) = (0, RayBox::EMPTY);
     let mut best = (f32::INFINITY, 1);
     for b in 1..BINS {
         count += counts[b - 1];
-        hull.hold(&hulls[b - 1]);
+        hull.hold(simd, &hulls[b - 1]);
         let cost = costs[b] + cost(count, &hull);
         if cost < best.0 {
             best = (cost, b);

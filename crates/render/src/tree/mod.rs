@@ -9,6 +9,7 @@ mod bounds;
 mod build;
 mod node;
 mod ray;
+mod registers;
 mod walk;
 
 pub(crate) use bounds::{RayBox, rounding};
