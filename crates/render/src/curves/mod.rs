@@ -22,7 +22,7 @@ pub(crate) use tube::across;
 pub use tube::{CurveHit, TubePoint};
 
 /// Leaves that are filled together.
-const BATCH: usize = 4096;
+const LEAVES_PER_TASK: usize = 4096;
 
 /// Fibres as tubes, in a tree that finds where rays meet them.
 ///
@@ -182,14 +182,16 @@ fn filled<T: Copy + Send + Sync>(
     set: impl Fn(&mut T, usize, CurvePart) + Sync,
 ) -> Vec<T> {
     let mut all: Vec<T> = leaves.par_iter().map(|_| empty).collect();
-    all.par_chunks_mut(BATCH).zip(leaves.par_chunks(BATCH)).for_each(|(batch, leaves)| {
-        let things = leaves.as_flattened().iter().copied().zip(0_u32..);
-        let mut order: Vec<_> = things.filter(|(thing, _)| *thing != NONE).collect();
-        order.sort_unstable_by_key(|(thing, at)| u64::from(*thing) << 32 | u64::from(*at));
-        for (thing, at) in order {
-            let at = at as usize;
-            set(&mut batch[at / WIDTH], at % WIDTH, CurvePart::from_thing(thing));
-        }
-    });
+    all.par_chunks_mut(LEAVES_PER_TASK).zip(leaves.par_chunks(LEAVES_PER_TASK)).for_each(
+        |(batch, leaves)| {
+            let things = leaves.as_flattened().iter().copied().zip(0_u32..);
+            let mut order: Vec<_> = things.filter(|(thing, _)| *thing != NONE).collect();
+            order.sort_unstable_by_key(|(thing, at)| u64::from(*thing) << 32 | u64::from(*at));
+            for (thing, at) in order {
+                let at = at as usize;
+                set(&mut batch[at / WIDTH], at % WIDTH, CurvePart::from_thing(thing));
+            }
+        },
+    );
     all
 }
