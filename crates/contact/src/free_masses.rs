@@ -1,8 +1,8 @@
 //! How heavy is what moves where free bodies touch.
 //!
-//! A light body between a heavy one and the ground moves with the heavy one: where it closes its gap
-//! to the ground too fast, what is wrong is an impulse on both, which is far more than the light
-//! body's own inertia makes of the velocity.
+//! A light body between a heavy one and the ground moves with the heavy one: where it closes its
+//! gap to the ground too fast, what is wrong is an impulse on both, which is far more than the
+//! light body's own inertia makes of the velocity.
 
 use crate::{Body, Contact};
 

@@ -45,8 +45,8 @@ impl AdmmState<'_> {
     /// where nothing but free bodies moves, that is the contact's own, as for
     /// [`crate::Violation`]: in the metric, which is up to eight times as heavy, small errors of
     /// velocities would be large ones of impulses, and a tolerance out of reach. Elsewhere it is
-    /// that of the metric, and contacts are right to some digits more, by which the energies of rods
-    /// close. Free bodies make errors of impulses those of the heaviest.
+    /// that of the metric, and contacts are right to some digits more, by which the energies of
+    /// rods close. Free bodies make errors of impulses those of the heaviest.
     pub(super) fn error_masses(&self, contact: &Contact) -> ErrorMasses {
         let free = self.free.of(contact);
         if free == 0.0 && !self.crowded {

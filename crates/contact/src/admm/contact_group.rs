@@ -25,8 +25,8 @@ pub(super) struct ContactGroup {
     pub(super) responses: ContactNumbers,
     /// Masses with which reports compare errors of velocities and of impulses, kg.
     pub(super) weights: ContactNumbers,
-    /// What these are multiplied by where errors of impulses are those of heavier bodies too, if any
-    /// contact has such.
+    /// What these are multiplied by where errors of impulses are those of heavier bodies too, if
+    /// any contact has such.
     pub(super) heavier: Option<Box<ContactNumbers>>,
     /// Points of the contacts.
     pub(super) points: SideIndices,

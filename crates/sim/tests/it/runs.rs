@@ -266,8 +266,8 @@ fn a_charged_run_goes_on_to_the_same_bytes() {
     }
 }
 
-/// A method that hardly damps gives a hair that is shaken energy: the run says so, with the time and
-/// which hair, whatever a scene asks to be written. The default damps enough.
+/// A method that hardly damps gives a hair that is shaken energy: the run says so, with the time
+/// and which hair, whatever a scene asks to be written. The default damps enough.
 #[test]
 fn energy_from_nowhere_ends_a_run() {
     let hair = "length: 0.2, segments: 40, section: Circle(radius: 3.5e-5)";

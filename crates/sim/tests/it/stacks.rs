@@ -65,8 +65,8 @@ fn unborne(masses: &[f64], steps: usize, solver: &str) -> f64 {
 /// The residual bounds the norm of all errors of velocities, as if each were one of the heaviest,
 /// relative to that of all forces, of which an interface has four that bear the weight at most:
 /// half the root of the number of interfaces. Added up from the floor upward, the mean of each
-/// interface being at most half its norm, the errors are the bodies'; twice those, as they close the
-/// gaps that they left, and twice, as those of the step before.
+/// interface being at most half its norm, the errors are the bodies'; twice those, as they close
+/// the gaps that they left, and twice, as those of the step before.
 fn borne_to(masses: &[f64]) -> f64 {
     let heaviest = masses.iter().copied().fold(0.0, f64::max);
     masses.len() as f64 * masses.iter().sum::<f64>() / heaviest * RESIDUAL

@@ -55,8 +55,8 @@ pub(super) struct ContactProblem {
     pushes: Vec<Vector3<f64>>,
     /// Where there are so many that to look at all nodes costs less than to look at all contacts.
     openings: Option<ContactCulling>,
-    /// By contact, the masses with which errors of impulses and of velocities are compared; of those
-    /// that have not been solved that of a segment.
+    /// By contact, the masses with which errors of impulses and of velocities are compared; of
+    /// those that have not been solved that of a segment.
     masses: Vec<ErrorMasses>,
     /// What the last solve left, in tolerances.
     error: Option<f64>,
@@ -300,8 +300,8 @@ impl ContactProblem {
 
     /// Notes the masses that solved contacts compare errors with, by the traces of how their points
     /// answer themselves. A free body may be far heavier than the fibre that presses it: where they
-    /// touch it stays that of a segment. Where nothing but free bodies moves, errors of impulses are
-    /// those of the heaviest.
+    /// touch it stays that of a segment. Where nothing but free bodies moves, errors of impulses
+    /// are those of the heaviest.
     fn weigh(&mut self, working: &[usize], traces: &[f64], free: &FreeMasses) {
         let both = working.par_iter().zip(&self.solved);
         let of_one = both.map(|(&i, contact)| {
