@@ -33,6 +33,12 @@ pub trait Body: Send {
     /// Writes the trace of every point's answer to an impulse on itself, 1/kg.
     fn own_traces(&mut self, traces: &mut [f64]);
 
+    /// Its mass, kg, if it is one body that nothing but contacts holds; then errors of impulses at
+    /// its contacts are judged by the heaviest that moves with it ([`crate::FreeMasses`]).
+    fn free_mass(&self) -> Option<f64> {
+        None
+    }
+
     /// Delassus operator of all points, without added masses, as dense blocks where these are at
     /// hand: by groups of points that do not answer each other, the points of each group and their
     /// blocks. `None` where it would have to be asked for.

@@ -7,6 +7,22 @@ use std::borrow::Borrow;
 /// Contacts of a report that one task takes.
 const CHUNK: usize = 1024;
 
+/// Masses, kg, by which errors of a contact are judged.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ErrorMasses {
+    /// The contact's own, that of [`Violation::new`].
+    pub own: f64,
+    /// Mass of the heaviest that moves with it, at least its own. Of the same error of a velocity
+    /// it makes a larger one of the impulses, as what bears on both sides can be.
+    pub moved: f64,
+}
+
+impl From<f64> for ErrorMasses {
+    fn from(own: f64) -> Self {
+        Self { own, moved: own }
+    }
+}
+
 /// Distance of one contact from its law.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Violation {
@@ -101,17 +117,18 @@ fn along(missing: &Vector2<f64>, direction: &Vector2<f64>) -> f64 {
 /// are left for the solver to tell. Where an impulse or a velocity is not finite all three are
 /// infinite.
 ///
-/// `one` tells of each of `count` contacts what [`Violation::new`] asks for: the contact, its
-/// velocity, impulse and weight.
+/// `one` tells of each of `count` contacts what [`Violation::new`] asks for, the contact, its
+/// velocity, impulse and weight; or instead of the weight both masses, by whose ratio its natural
+/// map then counts more.
 #[must_use]
-pub fn report<C: Borrow<Contact>>(
+pub fn report<C: Borrow<Contact>, M: Into<ErrorMasses>>(
     count: usize,
-    one: impl Fn(usize) -> (C, Vector3<f64>, Vector3<f64>, f64) + Sync,
+    one: impl Fn(usize) -> (C, Vector3<f64>, Vector3<f64>, M) + Sync,
 ) -> Report {
     let part = |start: usize| {
         let mut sums = ResidualSums::default();
-        for (contact, velocity, impulse, weight) in (start..count.min(start + CHUNK)).map(&one) {
-            sums.add(contact.borrow(), &velocity, &impulse, weight);
+        for (contact, velocity, impulse, masses) in (start..count.min(start + CHUNK)).map(&one) {
+            sums.add(contact.borrow(), &velocity, &impulse, masses.into());
         }
         sums
     };
@@ -141,10 +158,11 @@ impl ResidualSums {
         contact: &Contact,
         velocity: &Vector3<f64>,
         impulse: &Vector3<f64>,
-        weight: f64,
+        ErrorMasses { own, moved }: ErrorMasses,
     ) {
-        let violation = Violation::new(contact, velocity, impulse, weight);
-        self.residual_squares += violation.impulse * violation.impulse;
+        let violation = Violation::new(contact, velocity, impulse, own);
+        let error = violation.impulse * (moved / own);
+        self.residual_squares += error * error;
         self.impulse_squares += (impulse + Vector3::new(contact.adhesion, 0.0, 0.0)).norm_squared();
         self.normal_error = self.normal_error.max(violation.normal);
         self.slip_error = self.slip_error.max(violation.slip);

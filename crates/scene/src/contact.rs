@@ -22,7 +22,8 @@ pub struct ContactSettings {
     #[serde(default)]
     pub compliance: f64,
     /// Largest Coulomb residual of a step: the distance of the impulses from the contact law,
-    /// relative to all impulses.
+    /// relative to all impulses. Where objects touch and nothing else, an error of a velocity
+    /// counts as one of the heaviest of those that bear on each other.
     #[serde(default = "residual")]
     pub residual: f64,
     /// Largest slip velocity of a sticking contact, m/s.

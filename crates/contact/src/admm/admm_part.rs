@@ -71,9 +71,9 @@ impl<'a, 'b> AdmmPart<'a, 'b> {
             let velocities = own.iter().map(|contact| state.relative_velocity(contact));
             let impulses = &caller_impulses[start - contacts.start..];
             let responses = own.iter().map(|contact| state.metric_response(contact));
-            let weights = own.iter().map(|contact| state.residual_weight(contact));
+            let masses = own.iter().map(|contact| state.error_masses(contact));
             let indices = [at_points, at_sides];
-            ContactGroup::new(own, velocities, impulses, responses, weights, indices)
+            ContactGroup::new(own, velocities, impulses, responses, masses, indices)
         };
         let groups: Vec<_> = contacts.clone().step_by(LANES).map(group).collect();
         Self {

@@ -2,7 +2,7 @@
 
 use super::contact_sides::ContactSides;
 use super::shared_vectors::SharedVectors;
-use crate::Contact;
+use crate::{Contact, ErrorMasses, FreeMasses};
 use nalgebra::Vector3;
 use std::sync::LazyLock;
 
@@ -16,6 +16,8 @@ pub(super) struct AdmmState<'a> {
     pub(super) metric: &'a [f64],
     /// Traces of the points' answers to impulses on themselves, by point, 1/kg.
     pub(super) traces: &'a [f64],
+    /// How heavy is what moves where free bodies touch.
+    pub(super) free: FreeMasses,
     /// Whether most points are in a crowd.
     pub(super) crowded: bool,
     /// Weight by which the metric was chosen, in inertias of a point.
@@ -39,19 +41,22 @@ impl AdmmState<'_> {
         self.impulse_changes.get(contact).map(|x| f64::from_bits(x.to_bits() ^ sign))
     }
 
-    /// Mass, kg, with which a report compares errors of impulses and of velocities. In a crowd that
-    /// is the contact's own, as for [`crate::Violation`]: in the metric, which is up to eight times
-    /// as heavy, small errors of velocities would be large ones of impulses, and a tolerance out of
-    /// reach. Elsewhere it is that of the metric, and contacts are right to some digits more, by
-    /// which the energies of rods close.
-    pub(super) fn residual_weight(&self, contact: &Contact) -> f64 {
-        if !self.crowded {
-            return 1.0 / self.metric_response(contact);
+    /// Masses with which a report compares errors of impulses and of velocities. In a crowd, and
+    /// where nothing but free bodies moves, that is the contact's own, as for
+    /// [`crate::Violation`]: in the metric, which is up to eight times as heavy, small errors of
+    /// velocities would be large ones of impulses, and a tolerance out of reach. Elsewhere it is
+    /// that of the metric, and contacts are right to some digits more, by which the energies of
+    /// rods close. Free bodies make errors of impulses those of the heaviest.
+    pub(super) fn error_masses(&self, contact: &Contact) -> ErrorMasses {
+        let free = self.free.of(contact);
+        if free == 0.0 && !self.crowded {
+            return (1.0 / self.metric_response(contact)).into();
         }
         let of = |point: usize| self.traces[point];
         let trace = of(contact.first) + contact.second.map_or(0.0, of);
         // What nothing moves has no inertia to compare with.
-        if trace > 0.0 { 3.0 / trace } else { 1.0 }
+        let own = if trace > 0.0 { 3.0 / trace } else { 1.0 };
+        ErrorMasses { own, moved: own.max(free) }
     }
 
     /// Velocity of a contact's first point relative to its second while the given impulses act,

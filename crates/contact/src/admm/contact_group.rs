@@ -1,6 +1,6 @@
 //! Eight contacts with all that the method reads of them.
 
-use crate::{Contact, LimitCurve, VectorLanes};
+use crate::{Contact, ErrorMasses, LimitCurve, VectorLanes};
 use nalgebra::Vector3;
 use rapunzel_lanes::LANES;
 
@@ -25,6 +25,9 @@ pub(super) struct ContactGroup {
     pub(super) responses: ContactNumbers,
     /// Masses with which reports compare errors of velocities and of impulses, kg.
     pub(super) weights: ContactNumbers,
+    /// What these are multiplied by where errors of impulses are those of heavier bodies too, if
+    /// any contact has such.
+    pub(super) heavier: Option<Box<ContactNumbers>>,
     /// Points of the contacts.
     pub(super) points: SideIndices,
     /// Sides of the contacts.
@@ -37,13 +40,13 @@ pub(super) struct ContactGroup {
 
 impl ContactGroup {
     /// A group of at most eight contacts with their given relative `velocities`, m/s, world, and
-    /// `impulses`, N s, in their frames; `responses`, 1/kg, and `weights`, kg.
+    /// `impulses`, N s, in their frames; `responses`, 1/kg, and `masses`.
     pub(super) fn new(
         contacts: &[Contact],
         velocities: impl Iterator<Item = Vector3<f64>>,
         impulses: &[Vector3<f64>],
         responses: impl Iterator<Item = f64>,
-        weights: impl Iterator<Item = f64>,
+        masses: impl Iterator<Item = ErrorMasses>,
         [points, sides]: [SideIndices; 2],
     ) -> Self {
         let mut group = Self {
@@ -53,12 +56,13 @@ impl ContactGroup {
             soft: None,
             responses: [1.0; LANES],
             weights: [1.0; LANES],
+            heavier: None,
             circles: Some(Default::default()),
             points,
             sides,
         };
         let given = velocities.zip(impulses);
-        let own = responses.zip(weights);
+        let own = responses.zip(masses);
         for (lane, ((contact, given), own)) in contacts.iter().zip(given).zip(own).enumerate() {
             let velocity = contact.frame.tr_mul(&given.0) + contact.bias;
             for k in 0..3 {
@@ -71,7 +75,11 @@ impl ContactGroup {
                 let [adhesion, compliance] = &mut **group.soft.get_or_insert_default();
                 (adhesion[lane], compliance[lane]) = (contact.adhesion, contact.compliance);
             }
-            (group.responses[lane], group.weights[lane]) = own;
+            let (response, ErrorMasses { own, moved }) = own;
+            (group.responses[lane], group.weights[lane]) = (response, own);
+            if moved > own {
+                group.heavier.get_or_insert_with(|| Box::new([1.0; LANES]))[lane] = moved / own;
+            }
             match (&mut group.circles, &contact.friction) {
                 (Some(circles), LimitCurve::Circle { mu }) => circles[lane] = *mu,
                 (circles, _) => *circles = None,

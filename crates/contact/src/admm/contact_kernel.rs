@@ -99,12 +99,13 @@ fn eval_splitting<S: Simd>(simd: S, part: &mut AdmmPart, state: &AdmmState) {
         let wanted = lanes.load(&part.wanted[lanes.group_index]);
         let v = lanes.relative_velocities(&state.velocity_changes, &lanes.group.points);
         let (zero, weight) = (lanes.splat(0.0), lanes.weights());
+        let moved = weight * lanes.heavier();
         // Where nothing holds a contact, only what closes the gap is wrong.
         let loose = -lanes.adhesion();
         let open = V3([v.0[0].min(zero), zero, zero]);
         let off = r.0[0].less_or_equal(loose).select(open, v - wanted);
         let u = v + r.scale(lanes.compliance());
-        sums.residual_squares = sums.residual_squares + squared(off) * (weight * weight);
+        sums.residual_squares = sums.residual_squares + squared(off) * (moved * moved);
         sums.impulse_squares = sums.impulse_squares + squared(r);
         sums.normal_error = sums.normal_error.max(off.0[0].abs());
         sums.slip_error = sums.slip_error.max(slip_error(&lanes, u, r, weight));
@@ -269,7 +270,8 @@ impl<S: Simd> LaneSums<S> {
         // The natural map of the law, with de Saxcé's term along the normal.
         let projected = lanes.project_cone(r - saxce.scale(weight));
         let normal_error = n.min(r.0[0] / weight).abs();
-        self.residual_squares = self.residual_squares + squared(r - projected);
+        let error = (r - projected).scale(lanes.heavier());
+        self.residual_squares = self.residual_squares + squared(error);
         self.impulse_squares = self.impulse_squares + squared(r);
         self.normal_error = self.normal_error.max(normal_error);
         self.slip_error = self.slip_error.max(slip_error(lanes, u, impulse, weight));

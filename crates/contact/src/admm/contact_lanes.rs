@@ -85,6 +85,12 @@ impl<'a, S: Simd> ContactLanes<'a, S> {
         self.lane(&self.group.weights)
     }
 
+    /// Factors by which errors of impulses count more, as heavier bodies move too.
+    #[inline(always)]
+    pub(super) fn heavier(&self) -> Lane<S> {
+        self.group.heavier.as_ref().map_or(self.splat(1.0), |heavier| self.lane(heavier))
+    }
+
     /// Answers of the relative velocities to the contacts' own impulses in the metric, 1/kg.
     #[inline(always)]
     pub(super) fn responses(&self) -> Lane<S> {
@@ -243,7 +249,7 @@ pub(super) fn norm<S: Simd>([s, t]: [Lane<S>; 2]) -> Lane<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{LimitCurve, Polygon};
+    use crate::{ErrorMasses, LimitCurve, Polygon};
     use proptest::prelude::*;
     use pulp::{Arch, Scalar, WithSimd};
     use std::iter::repeat;
@@ -319,7 +325,8 @@ mod tests {
                     let zeros = repeat(Vector3::zeros());
                     let given = [Vector3::zeros(); LANES];
                     let ones = repeat(1.0);
-                    ContactGroup::new(some, zeros, &given, ones.clone(), ones, Default::default())
+                    let masses = ones.clone().map(ErrorMasses::from);
+                    ContactGroup::new(some, zeros, &given, ones, masses, Default::default())
                 })
                 .collect();
             let both = [

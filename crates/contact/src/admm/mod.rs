@@ -35,7 +35,7 @@ mod shared_vectors;
 
 use crate::metric;
 use crate::solver::check;
-use crate::{Body, Contact, ContactError, Report, Solver, Tolerance};
+use crate::{Body, Contact, ContactError, FreeMasses, Report, Solver, Tolerance};
 use admm_part::{AdmmPart, AdmmWorkspace};
 use admm_state::AdmmState;
 use anderson::{Anderson, AndersonHistory, IterationKind, ResidualProducts};
@@ -118,6 +118,7 @@ impl Solver for Admm {
             velocities,
             metric: &metric,
             traces: &traces,
+            free: FreeMasses::new(bodies, contacts),
             crowded,
             metric_weight: self.weight,
             relaxation: self.relaxation,

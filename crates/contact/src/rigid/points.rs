@@ -97,6 +97,10 @@ impl Body for RigidPoints {
         self.twist(&self.weighted.solve(&self.wrench(impulses)), velocities);
     }
 
+    fn free_mass(&self) -> Option<f64> {
+        Some(self.mass[(0, 0)])
+    }
+
     fn own_traces(&mut self, traces: &mut [f64]) {
         let inverse = self.factor.inverse();
         for (lever, trace) in self.levers.iter().zip(traces) {

@@ -24,6 +24,7 @@ mod reference;
 mod rigid;
 mod runs;
 mod scenes;
+mod stacks;
 mod stepper;
 mod stick_slip;
 mod strip;

@@ -22,7 +22,7 @@ fn scene(objects: &str, contact: &str, gravity: Vector3<f64>) -> Scene {
         fibers: [(length: 0.2, segments: 2, section: Circle(radius: {RADIUS:?}),
             root: (position: (5, 5, 5), orientation: Along(direction: (0, 0, -1))))],
         objects: [{objects}],
-        contact: ({contact}, residual: 1e-9, slip: {SLIP:?}, depth: {DEPTH:?}),
+        contact: ({contact}, residual: 1e-5, slip: {SLIP:?}, depth: {DEPTH:?}),
         environment: (gravity: ({x:?}, {y:?}, {z:?})), stepper: (dt: {DT:?}))"
     );
     Scene::from_ron(&text).unwrap_or_else(|error| panic!("{error} in {text}"))

@@ -266,6 +266,32 @@ fn a_charged_run_goes_on_to_the_same_bytes() {
     }
 }
 
+/// A method that hardly damps gives a hair that is shaken energy: the run says so, with the time
+/// and which hair, whatever a scene asks to be written. The default damps enough.
+#[test]
+fn energy_from_nowhere_ends_a_run() {
+    let hair = "length: 0.2, segments: 40, section: Circle(radius: 3.5e-5)";
+    let along = "orientation: Along(direction: (0, 0, -1))";
+    let shaken = |method: &str| {
+        let folder = tempfile::tempdir().expect("a folder");
+        let scene = Scene::from_ron(&format!(
+            "(format: 1, duration: 0.1,
+            fibers: [({hair}, root: (position: (1, 0, 0), {along})), ({hair}, root: ({along}),
+                motion: Shake(amplitude: (0.03, 0, 0), frequency: 10))],
+            stepper: (dt: 1e-3{method}), output: (frame_rate: 100))"
+        ));
+        run_until(&scene.expect("sound"), folder.path(), Existing::Refuse, u64::MAX)
+    };
+    assert!(shaken("").is_ok());
+    let error = shaken(", method: Staggered(rho_infinity: 0.9)").expect_err("it creates energy");
+    let SimError::Created { time, created, supplied, fiber: Some(1) } = error else {
+        panic!("{error}")
+    };
+    assert!(time < 0.1 && created > 0.1 * supplied, "{error}");
+    let text = error.to_string();
+    assert!(text.contains("fibre 1") && text.contains(&format!("t = {time} s")), "{text}");
+}
+
 /// The names of files that are not the same.
 fn differing<'a>(
     a: &'a BTreeMap<String, Vec<u8>>,

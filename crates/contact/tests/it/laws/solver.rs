@@ -248,7 +248,7 @@ fn residuals_measure_each_part_of_the_law() {
     // De Saxcé's term: without it a slider that lifts would pass.
     assert!(of([0.5 * 5.0, 3.0, -4.0], [2.0, -0.6, 0.8]).impulse > 1.0);
 
-    let none = report::<&Contact>(0, |_| unreachable!());
+    let none = report::<&Contact, f64>(0, |_| unreachable!());
     assert_eq!(none, Report::default());
     let wrong = report(1, |_| (&c, -Vector3::x(), Vector3::zeros(), 2.0));
     assert_eq!((wrong.residual, wrong.normal_error), (1.0, 1.0));

@@ -14,7 +14,8 @@ use culling::{ALWAYS, ContactCulling};
 use nalgebra::Vector3;
 use parameters::ContactParameters;
 use rapunzel_contact::{
-    Body, Contact, ContactError, ContactSolver, LimitCurve, Report, Solver, Tolerance,
+    Body, Contact, ContactError, ContactSolver, ErrorMasses, FreeMasses, LimitCurve, Report,
+    Solver, Tolerance,
 };
 use rapunzel_rod_dynamic::Point;
 use rayon::prelude::*;
@@ -55,9 +56,9 @@ pub(super) struct ContactProblem {
     pushes: Vec<Vector3<f64>>,
     /// Where there are so many that to look at all nodes costs less than to look at all contacts.
     openings: Option<ContactCulling>,
-    /// By contact, the mass (kg) with which errors of impulses and of velocities are compared; of
+    /// By contact, the masses with which errors of impulses and of velocities are compared; of
     /// those that have not been solved that of a segment.
-    weights: Vec<f64>,
+    masses: Vec<ErrorMasses>,
     /// What the last solve left, in tolerances.
     error: Option<f64>,
     /// By group: answers that are written out, as long as the fibres hardly turn.
@@ -151,13 +152,13 @@ impl ContactProblem {
             });
             ContactCulling::new(system, &points, speeds.collect(), nodes)
         });
-        let masses =
+        let segments =
             system.fibers.assembly().fibers().iter().map(|f| f.mass() / f.segments() as f64);
         let working: Vec<usize> =
             (0..points.len()).into_par_iter().filter(|&i| acts(&points[i])).collect();
         let pushes = working.iter().map(|&i| points[i].impulse).collect();
-        let mass = masses.fold(f64::INFINITY, f64::min);
-        let weights = vec![mass; points.len()];
+        let mass = segments.fold(f64::INFINITY, f64::min);
+        let masses = vec![ErrorMasses::from(mass); points.len()];
         let written = system.fibers.groups.iter().map(|_| None).collect();
         let (error, kept) = (None, vec![Vec::new(); system.fibers.groups.len()]);
         Ok(Self {
@@ -168,7 +169,7 @@ impl ContactProblem {
             working,
             pushes,
             openings,
-            weights,
+            masses,
             error,
             written,
             kept,
@@ -297,29 +298,33 @@ impl ContactProblem {
         let mut bodies: Vec<&mut dyn Body> =
             fibers.iter_mut().map(|fibers| fibers as &mut dyn Body).collect();
         bodies.extend(free.iter_mut().map(|body| body as &mut dyn Body));
-        let traces = traces(&mut bodies);
+        let (traces, free) = (traces(&mut bodies), FreeMasses::new(&bodies, &self.solved));
         let report = solver.solve(&mut bodies, &self.solved, &velocities, &mut impulses)?;
         let pushes =
             self.solved.par_iter().zip(&impulses).map(|(contact, own)| contact.frame * own);
         pushes.collect_into_vec(&mut self.pushes);
         working.iter().zip(impulses).for_each(|(&i, impulse)| self.impulses[i] = impulse);
-        self.weigh(&working, &traces);
+        self.weigh(&working, &traces, &free);
         self.working = working;
         Ok(report)
     }
 
     /// Notes the masses that solved contacts compare errors with, by the traces of how their points
-    /// answer themselves. Free bodies may be far heavier than what presses them: with these it
-    /// stays that of a segment.
-    fn weigh(&mut self, working: &[usize], traces: &[f64]) {
+    /// answer themselves. A free body may be far heavier than the fibre that presses it: where they
+    /// touch it stays that of a segment. Where nothing but free bodies moves, errors of impulses
+    /// are those of the heaviest.
+    fn weigh(&mut self, working: &[usize], traces: &[f64], free: &FreeMasses) {
         let both = working.par_iter().zip(&self.solved);
-        let mass = both.map(|(&i, Contact { first, second, .. })| {
-            let trace = traces[*first] + second.map_or(0.0, |point| traces[point]);
-            (trace > 0.0 && !self.points[i].has_free()).then(|| 3.0 / trace)
+        let of_one = both.map(|(&i, contact)| {
+            let second = contact.second.map_or(0.0, |point| traces[point]);
+            let (trace, moved) = (traces[contact.first] + second, free.of(contact));
+            let judged = trace > 0.0 && (moved > 0.0 || !self.points[i].has_free());
+            let own = 3.0 / trace;
+            judged.then(|| ErrorMasses { own, moved: own.max(moved) })
         });
-        let masses: Vec<Option<f64>> = mass.collect();
-        for (&i, mass) in working.iter().zip(masses) {
-            self.weights[i] = mass.unwrap_or(self.weights[i]);
+        let masses: Vec<Option<ErrorMasses>> = of_one.collect();
+        for (&i, masses) in working.iter().zip(masses) {
+            self.masses[i] = masses.unwrap_or(self.masses[i]);
         }
     }
 

@@ -8,7 +8,7 @@ use crate::contact::velocities::Velocities;
 use crate::contact_point::ContactPoint;
 use crate::contact_report::Unresolved;
 use nalgebra::Vector3;
-use rapunzel_contact::{Bond, Contact, ContactError, Report, Violation, report};
+use rapunzel_contact::{Bond, Contact, ContactError, ErrorMasses, Report, Violation, report};
 use rayon::prelude::*;
 use std::ops::AddAssign;
 
@@ -43,22 +43,26 @@ impl ContactProblem {
         let mean = system.fibers.mean_velocities();
         let mean = Velocities::new(system, &mean);
         let wrong = |i: usize| {
-            let (contact, velocity, impulse, weight) = self.judged(i, &mean);
-            Violation::new(&contact, &velocity, &impulse, weight).impulse
+            let (contact, velocity, impulse, ErrorMasses { own, moved }) = self.judged(i, &mean);
+            Violation::new(&contact, &velocity, &impulse, own).impulse * (moved / own)
         };
         let worst = (0..self.laws.len()).max_by(|&i, &j| wrong(i).total_cmp(&wrong(j)))?;
         Some(Unresolved::new(time, &self.points[worst]))
     }
 
-    /// A contact with its relative velocity, what gives way included, its impulse and the mass that
-    /// compares them.
-    fn judged(&self, i: usize, mean: &Velocities) -> (Contact, Vector3<f64>, Vector3<f64>, f64) {
+    /// A contact with its relative velocity, what gives way included, its impulse and the masses
+    /// that compare them.
+    fn judged(
+        &self,
+        i: usize,
+        mean: &Velocities,
+    ) -> (Contact, Vector3<f64>, Vector3<f64>, ErrorMasses) {
         let point = &self.points[i];
         let contact = self.laws[i].contact(point, [0, 1]);
         let impulse = self.impulses[i];
         let velocity = contact.frame.tr_mul(&mean.between(point)) + contact.bias;
         let velocity = velocity + impulse * contact.compliance;
-        (contact, velocity, impulse, self.weights[i])
+        (contact, velocity, impulse, self.masses[i])
     }
 
     /// What the contacts do where all fibres have the given mean velocities.
