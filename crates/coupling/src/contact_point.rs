@@ -1,6 +1,7 @@
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 use std::fmt;
+use std::ops::Range;
 
 /// By this, rad, a normal along a fibre is tilted.
 const TILT: f64 = 1e-9;
@@ -124,13 +125,18 @@ impl ContactPoint {
         self.radii[side] * inward
     }
 
-    /// Lets the impulse act on the axis of a side that is a fibre, and there on what it touches.
-    pub(crate) fn act_on_axis(&mut self, side: usize) {
-        let (shift, other) = (-self.lever(side), 1 - side);
-        if !self.sides[side].is_object() {
+    /// Lets the impulse act on the axis of every side that is a fibre where it is not in the part
+    /// of that whose surface turns, in segments by fibre; and there on what it touches.
+    pub(crate) fn act_on_axis_outside(&mut self, turning: &[Range<f64>]) {
+        for side in 0..2 {
+            let BodyRef::Fiber(fiber) = self.sides[side] else { continue };
+            if turning[fiber as usize].contains(&self.at()[side]) {
+                continue;
+            }
+            let (lever, other) = (self.lever(side), 1 - side);
             self.radii[side] = 0.0;
             if self.is_free(other) {
-                self.arms[other] += shift;
+                self.arms[other] -= lever;
             }
         }
     }

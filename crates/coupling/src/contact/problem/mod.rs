@@ -92,14 +92,7 @@ impl ContactProblem {
     ) -> Result<Self, ContactError> {
         let ProblemWorkspace { laws: mut own, solved } = room;
         let turning = system.fibers.turning_parts();
-        points.par_iter_mut().for_each(|point| {
-            for side in 0..2 {
-                let BodyRef::Fiber(fiber) = point.sides[side] else { continue };
-                if !turning[fiber as usize].contains(&point.at()[side]) {
-                    point.act_on_axis(side);
-                }
-            }
-        });
+        points.par_iter_mut().for_each(|point| point.act_on_axis_outside(&turning));
         let refused = Mutex::new(None::<(usize, ContactError)>);
         let start = system.fibers.velocities();
         let (first, mean) = (Velocities::before(system, &start), Velocities::new(system, mean));
