@@ -99,6 +99,8 @@ mod tests {
         strand.curvatures = vec![strand.curvatures[0]; 70_001];
         strand.frames = vec![strand.frames[0]; 70_000];
         strand.forces = vec![strand.forces[0]; 70_000];
+        strand.contact_forces = vec![strand.contact_forces[0]; 70_001];
+        strand.charges = vec![0.0; 70_001];
         let error = write(&mut Vec::new(), &frame).expect_err("65535 segments at most");
         assert!(matches!(error, ExportError::TooMany { found: 70_000, limit: 65_535, .. }));
     }
