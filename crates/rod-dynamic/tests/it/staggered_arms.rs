@@ -1,6 +1,6 @@
 //! The response of the staggered rod to impulses beside its axis, where surfaces touch.
 
-use crate::common::set_out_and_solve;
+use crate::common::{response_matrix, set_out_and_solve};
 use nalgebra::{DMatrix, Isometry3, SymmetricEigen, Vector3};
 use rapunzel_fiber::{Fiber, Material, Section};
 use rapunzel_rod_dynamic::{
@@ -57,22 +57,15 @@ fn points() -> Vec<Point> {
 
 /// The response of points, column by column.
 fn matrix(batch: &mut StaggeredBatch, weighted: bool) -> DMatrix<f64> {
-    let (points, size) = (points(), 3 * points().len());
-    let mut matrix = DMatrix::zeros(size, size);
-    for column in 0..size {
-        let mut impulses = vec![Vector3::zeros(); points.len()];
-        let mut velocities = impulses.clone();
-        impulses[column / 3][column % 3] = 1.0;
-        if weighted {
-            batch.weighted_respond_at(&points, &impulses, &mut velocities).expect("points");
+    let points = points();
+    response_matrix(points.len(), |impulses, velocities| {
+        let answered = if weighted {
+            batch.weighted_respond_at(&points, impulses, velocities)
         } else {
-            batch.respond_at(&points, &impulses, &mut velocities).expect("points");
-        }
-        for (i, velocity) in velocities.iter().enumerate() {
-            matrix.fixed_view_mut::<3, 1>(3 * i, column).copy_from(velocity);
-        }
-    }
-    matrix
+            batch.respond_at(&points, impulses, velocities)
+        };
+        answered.expect("points");
+    })
 }
 
 #[test]

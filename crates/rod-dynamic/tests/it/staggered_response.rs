@@ -1,6 +1,6 @@
 //! The response of the staggered rod to impulses: what a contact solver builds on.
 
-use crate::common::set_out_and_solve;
+use crate::common::{response_matrix, set_out_and_solve};
 use nalgebra::{
     DMatrix, Isometry3, Matrix3, SymmetricEigen, Translation3, UnitQuaternion, Vector3,
 };
@@ -58,8 +58,6 @@ fn matrix(batch: &mut StaggeredBatch) -> DMatrix<f64> {
 
 /// The same, also with weights.
 fn matrix_by(batch: &mut StaggeredBatch, weighted: bool) -> DMatrix<f64> {
-    let mut w = DMatrix::zeros(3 * NODES, 3 * NODES);
-    let mut velocities = vec![Vector3::zeros(); NODES];
     let points: Vec<Point> = (0..NODES)
         .map(|a| u32::try_from(a).expect("few nodes"))
         .map(|a| match a {
@@ -67,19 +65,14 @@ fn matrix_by(batch: &mut StaggeredBatch, weighted: bool) -> DMatrix<f64> {
             a => Point::on_axis(0, a - 1, 1.0),
         })
         .collect();
-    for column in 0..3 * NODES {
-        let mut impulses = vec![Vector3::zeros(); NODES];
-        impulses[column / 3][column % 3] = 1.0;
-        if weighted {
-            batch.weighted_respond_at(&points, &impulses, &mut velocities).expect("lengths");
+    response_matrix(NODES, |impulses, velocities| {
+        let answered = if weighted {
+            batch.weighted_respond_at(&points, impulses, velocities)
         } else {
-            batch.respond_at(&points, &impulses, &mut velocities).expect("lengths");
-        }
-        for (a, velocity) in velocities.iter().enumerate() {
-            w.fixed_view_mut::<3, 1>(3 * a, column).copy_from(velocity);
-        }
-    }
-    w
+            batch.respond_at(&points, impulses, velocities)
+        };
+        answered.expect("lengths");
+    })
 }
 
 #[test]

@@ -1,5 +1,5 @@
 //! What the integration tests share: reference cases, rods in scaled units.
-use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{DMatrix, Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
 use rapunzel_fiber::{Fiber, Material, NodeProperties, Section};
 use rapunzel_rod_dynamic::{Conditions, Impulses, RodStepReport, StaggeredBatch, StepError};
 use serde::Deserialize;
@@ -244,6 +244,24 @@ pub(crate) fn orders(steps: &[f64], errors: &[f64]) -> Vec<f64> {
         .zip(errors.windows(2))
         .map(|(h, e)| (e[0] / e[1]).ln() / (h[0] / h[1]).ln())
         .collect()
+}
+
+/// The matrix of some responses of so many points or nodes to impulses, column by column.
+pub(crate) fn response_matrix(
+    count: usize,
+    mut respond: impl FnMut(&[Vector3<f64>], &mut [Vector3<f64>]),
+) -> DMatrix<f64> {
+    let mut matrix = DMatrix::zeros(3 * count, 3 * count);
+    for column in 0..3 * count {
+        let mut impulses = vec![Vector3::zeros(); count];
+        let mut velocities = impulses.clone();
+        impulses[column / 3][column % 3] = 1.0;
+        respond(&impulses, &mut velocities);
+        for (i, velocity) in velocities.iter().enumerate() {
+            matrix.fixed_view_mut::<3, 1>(3 * i, column).copy_from(velocity);
+        }
+    }
+    matrix
 }
 
 /// Sets a batch out on a step with `impulses` at its start and takes Newton's method to its end, as

@@ -63,6 +63,12 @@ fn ledgers_of_free_clamped_and_loaded_rods_close() {
     }
 }
 
+/// Impulses on the nodes of a rod of twelve segments in a step, N s.
+fn impulses(step: usize) -> Vec<Vector3<f64>> {
+    let impulse = |a: usize| Vector3::new((a + step) as f64, 1.0, a as f64).map(f64::sin);
+    (0..=12).map(|a| 0.01 * impulse(a)).collect()
+}
+
 /// Impulses at the start of steps, also on a root that is moved, which takes them up.
 #[test]
 fn impulses_are_in_the_ledger() {
@@ -71,8 +77,7 @@ fn impulses_are_in_the_ledger() {
     for rho in ALL {
         let mut books = Books::new(batch(&rod, rho));
         for step in 0..60 {
-            let impulse = |a: usize| Vector3::new((a + step) as f64, 1.0, a as f64).map(f64::sin);
-            let impulses: Vec<_> = (0..=12).map(|a| 0.01 * impulse(a)).collect();
+            let impulses = impulses(step);
             let mut mean = vec![Vector3::zeros(); 13];
             let before: Vec<_> = (0..13).map(|a| books.batch.node(0, a).0).collect();
             let ledger = books.step(0.01, &conditions, &impulses);
@@ -98,8 +103,7 @@ fn moments_are_in_the_ledger() {
         let mut without = Books::new(batch(&rod, rho));
         let mut apart = 0.0_f64;
         for step in 0..60 {
-            let impulse = |a: usize| Vector3::new((a + step) as f64, 1.0, a as f64).map(f64::sin);
-            let impulses: Vec<_> = (0..=12).map(|a| 0.01 * impulse(a)).collect();
+            let impulses = impulses(step);
             let [with, none] = [&mut books, &mut without]
                 .map(|books| books.step(0.01, &conditions, &impulses).contacts);
             apart = apart.max((with - none).abs());
