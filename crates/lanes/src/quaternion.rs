@@ -40,6 +40,23 @@ impl<S: Simd> Quat<S> {
         Self { v: v.scale(norm), w: w * norm }
     }
 
+    /// The rotation by `angle` (rad, any number of turns) about its own d3 from the right, to
+    /// rounding: `(x, y, z, w) (k sin(angle / 2) + cos(angle / 2))`.
+    #[inline(always)]
+    pub fn spun_by(self, angle: Lane<S>) -> Self {
+        let (sin, cos) = half_turned(angle);
+        let [x, y, z] = self.v.0;
+        let w = self.w;
+        Self {
+            v: V3([
+                x.mul_add(cos, y * sin),
+                x.negate_mul_add(sin, y * cos),
+                z.mul_add(cos, w * sin),
+            ]),
+            w: z.negate_mul_add(sin, w * cos),
+        }
+    }
+
     /// The directors d1, d2, d3, world components.
     #[inline(always)]
     pub fn directors(self) -> [V3<S>; 3] {
@@ -77,6 +94,27 @@ impl<S: Simd> Select<S> for Quat<S> {
     fn select(mask: Mask<S>, yes: Self, no: Self) -> Self {
         Self { v: mask.select(yes.v, no.v), w: mask.select(yes.w, no.w) }
     }
+}
+
+/// Sine and cosine of half an angle but for the sign of both: a quaternion and its negative are
+/// one rotation. Half the angle less the nearest multiple of pi is at most pi / 2, where the Taylor
+/// series are exact to rounding.
+#[inline(always)]
+fn half_turned<S: Simd>(angle: Lane<S>) -> (Lane<S>, Lane<S>) {
+    use std::f64::consts::{FRAC_1_PI, PI};
+    // Adding it to a number rounds that to an integer.
+    let round = angle.lift(6_755_399_441_055_744.0);
+    let half = angle * angle.lift(0.5);
+    let turns = half.mul_add(angle.lift(FRAC_1_PI), round) - round;
+    let x = turns.negate_mul_add(angle.lift(PI), half);
+    let x2 = x * x;
+    let (mut sin, mut cos) = (angle.lift(1.0), angle.lift(1.0));
+    for k in (1..=11_i32).rev() {
+        let [odd, even] = [2 * k * (2 * k + 1), 2 * k * (2 * k - 1)].map(f64::from);
+        sin = (sin * x2).negate_mul_add(angle.lift(1.0 / odd), angle.lift(1.0));
+        cos = (cos * x2).negate_mul_add(angle.lift(1.0 / even), angle.lift(1.0));
+    }
+    (sin * x, cos)
 }
 
 /// `atan(u) / u` for `u^2 <= 0.04`: its Taylor series, exact to rounding there.

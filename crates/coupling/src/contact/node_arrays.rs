@@ -108,8 +108,7 @@ impl Fibers<StaggeredBatch> {
     }
 
     /// By fibre, the part whose surface contacts turn in the step under way, in segments from the
-    /// root: between its clamps, the sections in these left out. A fibre without a clamp, which
-    /// nothing keeps from spinning, has none.
+    /// root: between its clamps, the sections in these left out.
     pub(super) fn turning_parts(&self) -> Vec<Range<f64>> {
         let layout = self.assembly().layout();
         let part = |fiber: usize| {
@@ -119,7 +118,7 @@ impl Fibers<StaggeredBatch> {
                 [true, true] => f64::MIN_POSITIVE..end,
                 [true, false] => f64::MIN_POSITIVE..f64::INFINITY,
                 [false, true] => 0.0..end,
-                [false, false] => 0.0..0.0,
+                [false, false] => 0.0..f64::INFINITY,
             }
         };
         (0..layout.fibers()).map(part).collect()

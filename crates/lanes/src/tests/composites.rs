@@ -13,6 +13,9 @@ const INPUTS: usize = 9 + 18 + 6 + 8 + 1;
 /// them, and nothing is divided by less than 1.
 const BOUND: f64 = 9.0 * 125.0 * f64::EPSILON;
 
+/// Factor, rad, to angles of many turns.
+const TURNS: f64 = 40.0;
+
 /// All operations on some things in each lane.
 struct AllComposites<'a>(&'a [[f64; LANES]]);
 
@@ -86,6 +89,7 @@ fn all<S: Simd>(simd: S, numbers: &[S::f64s], out: &mut Vec<Lane<S>>) {
         y.full(),
         y.times(m),
         d.transposed(),
+        M3(p.spun_by(s * s.lift(TURNS)).directors()).transposed(),
     ] {
         m.0.into_iter().for_each(|row| out.extend(row.0));
     }
@@ -152,6 +156,9 @@ fn expected(x: &[f64]) -> Vec<f64> {
         y,
         y * m,
         p.to_rotation_matrix().into_inner(),
+        (p * UnitQuaternion::from_axis_angle(&Vector3::z_axis(), TURNS * s))
+            .to_rotation_matrix()
+            .into_inner(),
     ] {
         out.extend(m.transpose().iter());
     }

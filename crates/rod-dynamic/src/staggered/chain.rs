@@ -38,6 +38,8 @@ pub(super) struct RotationChain<S: Simd> {
     pub(super) laws: Option<Box<Laws<S>>>,
     /// Rotations of the segments as unit quaternions (4 per segment).
     pub(super) q: Array<S>,
+    /// Whether spins of segments about their axes are coordinates of their own.
+    pub(super) spins: bool,
     /// Forces in the segments at the last shape, N, world (3 per segment).
     pub(super) force: Array<S>,
     /// Weight of the definite part of the Hessian in the last solve, 0 to 1 in each lane.
@@ -49,7 +51,8 @@ pub(super) struct RotationChain<S: Simd> {
 }
 
 impl<S: Simd> RotationChain<S> {
-    pub(super) fn new(simd: S, model: Arc<BatchModel<S>>) -> Self {
+    /// Chain of a model, with spins as coordinates or without.
+    pub(super) fn new(simd: S, model: Arc<BatchModel<S>>, spins: bool) -> Self {
         let n = model.h.len();
         Self {
             simd,
@@ -58,6 +61,7 @@ impl<S: Simd> RotationChain<S> {
             ends: Ends::new(),
             laws: None,
             q: zeros::<S>(4 * n),
+            spins,
             force: zeros::<S>(3 * n),
             definite: simd.splat_f64s(0.0),
             room: BatchWorkspace::empty(),
@@ -209,17 +213,15 @@ impl<S: Simd> RotationChain<S> {
             if j > 0 {
                 let (e, d) = (j - 1, directors);
                 let h = self.one(&self.model.h, e);
-                // Torque on segment e and its Hessian, from the joints at both ends and from the
-                // director terms with p_1, p_2 and h n.
-                let p = [self.vec(&self.room.p, 2 * e), self.vec(&self.room.p, 2 * e + 1)];
+                // Torque on segment e and its Hessian, from the joints at both ends, rotary inertia
+                // and the director term with h n.
                 let axial = self.vec(&self.force, e).scale(h);
                 let mut torque = right.moment - left.moment;
                 let mut hessian = left.hessian + right.hessian;
-                for (d, p) in [(d[0], p[0]), (d[1], p[1]), (d[2], axial)] {
-                    torque += d.cross(p);
-                    hessian = hessian + director_hessian(d, p, definite);
-                }
-                potential = potential - d[0].dot(p[0]) - d[1].dot(p[1]);
+                let sums = (&mut torque, &mut hessian, &mut potential);
+                self.add_rotary_inertia(e, d, definite, sums);
+                torque += d[2].cross(axial);
+                hessian = hessian + director_hessian(d[2], axial, definite);
                 // End moments, and the gap of a held tip on the right-hand side of its constraint
                 // row.
                 if j == 1 {

@@ -1,7 +1,6 @@
 //! Steps in Newton iterations, for a contact solver between them.
 
 use super::batch::StaggeredBatch;
-use super::erased_batch::ErasedBatch;
 use super::response::Inertia;
 use super::scheme::StepProblem;
 use super::search::SearchOutcome;
@@ -211,18 +210,24 @@ impl StaggeredBatch {
     /// # Errors
     /// [`RodError::Length`] for an array of the wrong length.
     pub fn start_spins(&self, spins: &mut [Vector3<f64>]) -> Result<(), RodError> {
-        self.write_spins(spins, |engine, fiber, segment| engine.spin(fiber, segment))
+        self.check_spins(spins)?;
+        let segments = self.rods()[0].fiber.segments();
+        for (k, spin) in spins.iter_mut().enumerate() {
+            *spin = self.engine.spin(k / segments, k % segments);
+        }
+        Ok(())
     }
 
     /// Mean angular velocities of all segments over the step under way, rad/s, world: rotation over
-    /// its length.
+    /// its length. With backward Euler the rotation is the swing of the axis with any number of
+    /// turns about that.
     ///
     /// # Errors
     /// [`RodError::Length`] for an array of the wrong length.
     pub fn mean_spins(&self, spins: &mut [Vector3<f64>]) -> Result<(), RodError> {
-        self.write_spins(spins, |engine, fiber, segment| {
-            engine.rotation_vector(fiber, segment) / self.predicted
-        })
+        self.check_spins(spins)?;
+        self.engine.mean_spins(false, spins);
+        Ok(())
     }
 
     /// Mean angular velocities of all segments over the step if the increments of the last
@@ -231,23 +236,14 @@ impl StaggeredBatch {
     /// # Errors
     /// [`RodError::Length`] for an array of the wrong length.
     pub fn linear_spins(&self, spins: &mut [Vector3<f64>]) -> Result<(), RodError> {
-        self.write_spins(spins, |engine, fiber, segment| {
-            engine.linear_rotation(fiber, segment) / self.predicted
-        })
+        self.check_spins(spins)?;
+        self.engine.mean_spins(true, spins);
+        Ok(())
     }
 
-    fn write_spins(
-        &self,
-        spins: &mut [Vector3<f64>],
-        of: impl Fn(&dyn ErasedBatch, usize, usize) -> Vector3<f64>,
-    ) -> Result<(), RodError> {
+    fn check_spins(&self, spins: &[Vector3<f64>]) -> Result<(), RodError> {
         self.check_step()?;
-        let segments = self.rods()[0].fiber.segments();
-        check("spins", self.rods().len() * segments, spins.len())?;
-        for (k, spin) in spins.iter_mut().enumerate() {
-            *spin = of(&*self.engine, k / segments, k % segments);
-        }
-        Ok(())
+        check("spins", self.nodes() - self.rods().len(), spins.len())
     }
 
     /// Takes all fibres to equilibrium and to rest there; `dt` is the length of the step (s) whose

@@ -34,6 +34,10 @@ pub(super) trait BatchCoupledStep {
     /// Takes the increments of the last linearisation, with other impulses on `fibers` fibres than
     /// those it had. Returns the largest increment of each lane, rad.
     fn advance(&mut self, fibers: usize, impulses: Impulses) -> [f64; LANES];
+    /// Writes mean angular velocities of all segments over the step, fibre by fibre, rad/s, world:
+    /// the rotation as solved last, with the increments of the last linearisation to first order if
+    /// it is to be `linear`, over the length of the step.
+    fn mean_spins(&self, linear: bool, spins: &mut [Vector3<f64>]);
     /// Recomputes the shape that the last call of a step has reached, so that it can be committed.
     fn arrive(&mut self);
 }
@@ -112,6 +116,30 @@ impl<S: Simd> BatchCoupledStep for SimdBatch<S> {
         self.take_increments()
     }
 
+    fn mean_spins(&self, linear: bool, spins: &mut [Vector3<f64>]) {
+        struct MeanSpins<'a, S: Simd>(&'a SimdBatch<S>, bool, &'a mut [Vector3<f64>]);
+        impl<S: Simd> NullaryFnOnce for MeanSpins<'_, S> {
+            type Output = ();
+            #[inline(always)]
+            fn call(self) {
+                let Self(pack, linear, spins) = self;
+                let n = pack.chain.n;
+                let rate = Lane::load(pack.chain.simd, &pack.last_dt, 0).recip();
+                for e in 0..n {
+                    let mut turn = pack.step_rotation(e);
+                    if linear {
+                        turn += pack.chain.vec(&pack.chain.kept.step, 2 * e + 1);
+                    }
+                    let spin = turn.scale(rate);
+                    for (lane, own) in spins.chunks_exact_mut(n).enumerate() {
+                        own[e] = Vector3::from_fn(|i, _| get(spin.0[i], lane));
+                    }
+                }
+            }
+        }
+        self.chain.simd.vectorize(MeanSpins(self, linear, spins));
+    }
+
     fn arrive(&mut self) {
         struct Arrive<'a, S: Simd>(&'a mut SimdBatch<S>);
         impl<S: Simd> NullaryFnOnce for Arrive<'_, S> {
@@ -138,6 +166,7 @@ impl<S: Simd> SimdBatch<S> {
             fn call(self) -> [f64; LANES] {
                 let pack = self.0;
                 let stage = pack.stage(&pack.last_dt, StepProblem::Step);
+                pack.recall_directors();
                 pack.solve_response(&stage, Inertia::Own, 0);
                 for i in 0..2 * pack.chain.n {
                     let sum = pack.chain.vec(&pack.chain.kept.step, i)
@@ -153,7 +182,7 @@ impl<S: Simd> SimdBatch<S> {
                 let simd = pack.chain.simd;
                 let scale = Lane::load(simd, &scale, 0);
                 pack.chain.advance(Lane::splat(simd, 1.0), scale);
-                pack.resume();
+                pack.prepare(&stage);
                 pack.chain.shape();
                 turns
             }
@@ -174,10 +203,12 @@ impl<S: Simd> SimdBatch<S> {
     #[inline(always)]
     pub(super) fn reassemble(&mut self) {
         std::mem::swap(&mut self.chain.kept, &mut self.chain.room.kept);
+        std::mem::swap(&mut self.chain.kept.spin, &mut self.chain.room.kept.spin);
         self.resume();
         let definite = Lane::new(self.chain.simd, self.chain.definite);
         let (_, gap) = self.chain.shape();
         self.chain.assemble(gap, definite);
+        std::mem::swap(&mut self.chain.kept.spin, &mut self.chain.room.kept.spin);
         std::mem::swap(&mut self.chain.kept, &mut self.chain.room.kept);
     }
 

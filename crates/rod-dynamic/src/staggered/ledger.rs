@@ -22,14 +22,14 @@
 use super::array::{at, set};
 use super::chain::RotationChain;
 use super::ends;
-use super::joint_geometry::{combine, moment, slope_of_log, turn};
+use super::joint_geometry::{moment, slope_of_log, turn};
 use super::laws::Turns;
 use super::ledger_lanes::LedgerLanes;
 use super::scheme::{Rates, Stage, StepProblem};
 use super::simd_batch::SimdBatch;
 use crate::{End, Instant, Ledger};
 use pulp::{NullaryFnOnce, Simd};
-use rapunzel_lanes::{LANES, Lane, Quat, V3};
+use rapunzel_lanes::{LANES, Lane, V3};
 
 /// Motion over a step of a coordinate with mass 1.
 struct CoordinateMotion<S: Simd> {
@@ -103,7 +103,7 @@ impl<S: Simd> BatchLedger for SimdBatch<S> {
 }
 
 impl<S: Simd> SimdBatch<S> {
-    /// Evaluates the energies that the section laws store and dissipate in the step.
+    /// Evaluates what the section laws store and dissipate in the step.
     fn book_laws(&mut self) {
         let RotationChain { model, laws, room, ends, .. } = &mut self.chain;
         let before = Turns { phi: &self.phi, rest: &model.rest, ends };
@@ -274,14 +274,13 @@ impl<S: Simd> SimdBatch<S> {
         lines.supports = lines.supports - absorbed;
     }
 
-    /// Books the inertia of the directors of segment `e` and the difference of its chord and
-    /// tangent. Returns the segment's rotation over the step, and the torque on it without its
-    /// joints.
+    /// Books rotary inertia of segment `e` and the difference of its chord and tangent. Returns its
+    /// rotation over the step, and the torque on it without its joints.
     #[inline(always)]
     fn book_segment(&self, stage: &Stage<S>, e: usize, lines: &mut LedgerLanes<S>) -> [V3<S>; 2] {
         let (simd, chain) = (self.chain.simd, &self.chain);
         let (before, after) = (chain.directors_before(e), chain.directors(e));
-        let turn = turn(before, after);
+        let turn = if chain.spins { chain.turn_with_spin(e) } else { turn(before, after) };
         let ways = [0, 1, 2].map(|k| after[k] - before[k]);
         let chord = |k: usize| ways[k] - turn.cross(after[k]);
         let zero = V3::splat(simd, 0.0);
@@ -292,13 +291,14 @@ impl<S: Simd> SimdBatch<S> {
         let mut torque = after[2].cross(force);
         if !self.moments.is_empty() {
             let pressed = chain.vec(&chain.room.torque, e);
-            let [from, to] = [&self.before.q, &chain.q].map(|q| Quat::load(simd, q, e));
-            let rotation = combine(before, from.inverse_times(to).log().0);
-            let spin = rotation.scale(stage.dt.recip());
+            let spin = self.step_rotation(e).scale(stage.dt.recip());
             let work = chain.vec(&self.moments, e).dot(spin);
             lines.contacts = lines.contacts + work;
             lines.integrator = lines.integrator + pressed.dot(turn) - work;
             torque += pressed;
+        }
+        if chain.spins {
+            return [turn, torque + self.book_spin(stage, e, turn, lines)];
         }
         for k in 0..2 {
             let inertia = Lane::new(simd, self.chain.model.inertia[2 * e + k]);

@@ -45,6 +45,7 @@ mod scheme;
 mod search;
 mod simd_batch;
 mod single;
+mod spin;
 mod stability;
 mod workspace;
 

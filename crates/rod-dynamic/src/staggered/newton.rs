@@ -73,6 +73,9 @@ impl<S: Simd> RotationChain<S> {
     #[inline(always)]
     pub(super) fn largest_turn(&self) -> Lane<S> {
         let mut turn = Lane::splat(self.simd, 0.0);
+        if self.spins {
+            return self.largest_swing();
+        }
         for e in 0..self.n {
             turn = turn.max(self.vec(&self.kept.step, 2 * e + 1).max_abs());
         }
@@ -125,8 +128,19 @@ impl<S: Simd> RotationChain<S> {
             let from = fresh.positive().select(here, origin);
             store(&mut self.room.direction, e, turn);
             store_quat(&mut self.room.origin, e, from);
-            let to = from.turned_by(turn.scale(scale));
-            store_quat(&mut self.q, e, scale.positive().select(to, here));
+            let moves = scale.positive();
+            let to = if self.spins {
+                let (old, origin) =
+                    (self.one(&self.kept.spin, e), self.one(&self.room.spin_origin, e));
+                let known = fresh.positive().select(old, origin);
+                let (to, spin) = self.turned(e, (from, known), turn.scale(scale));
+                self.room.spin_origin[e] = known.value;
+                self.kept.spin[e] = moves.select(spin, old).value;
+                to
+            } else {
+                from.turned_by(turn.scale(scale))
+            };
+            store_quat(&mut self.q, e, moves.select(to, here));
         }
         let reaction = self.vec(&self.kept.step, 2 * (self.n - 1));
         let held = self.vec(&self.ends.tip_reaction, 0);

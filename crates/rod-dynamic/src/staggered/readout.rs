@@ -27,11 +27,6 @@ pub(super) trait BatchReadout {
     fn clamps(&self, lane: usize) -> [bool; 2];
     /// Angular velocity of a segment at the start of the step, rad/s, world frame.
     fn spin(&self, lane: usize, segment: usize) -> Vector3<f64>;
-    /// Rotation vector of a segment in the step as solved last, rad, world frame.
-    fn rotation_vector(&self, lane: usize, segment: usize) -> Vector3<f64>;
-    /// Rotation vector of a segment in the step with the increments of the last linearisation, to
-    /// first order, rad, world frame.
-    fn linear_rotation(&self, lane: usize, segment: usize) -> Vector3<f64>;
 }
 
 impl<S: Simd> BatchReadout for SimdBatch<S> {
@@ -139,17 +134,6 @@ impl<S: Simd> BatchReadout for SimdBatch<S> {
     fn spin(&self, lane: usize, segment: usize) -> Vector3<f64> {
         let frame = quaternion(&self.before.q, segment, lane).to_rotation_matrix();
         self.world_spin(segment, lane, &frame)
-    }
-
-    fn rotation_vector(&self, lane: usize, segment: usize) -> Vector3<f64> {
-        let [before, after] =
-            [&self.before.q, &self.chain.q].map(|all| quaternion(all, segment, lane));
-        (after * before.inverse()).scaled_axis()
-    }
-
-    fn linear_rotation(&self, lane: usize, segment: usize) -> Vector3<f64> {
-        let increment = self.vector(&self.chain.kept.step, 2 * segment + 1, lane);
-        self.rotation_vector(lane, segment) + increment
     }
 }
 

@@ -77,7 +77,7 @@ impl<S: Simd> SimdBatch<S> {
         let any_damping = rods.iter().any(|rod| rod.damping_time > 0.0);
         let memory = scheme.has_memory();
         let mut pack = Self {
-            chain: RotationChain::new(simd, BatchModel::of(rods)),
+            chain: RotationChain::new(simd, BatchModel::of(rods), !memory),
             scheme,
             damping: S::f64s::zeroed(),
             r: zeros::<S>(3 * (n + 1)),
@@ -186,7 +186,10 @@ impl<S: Simd> SimdBatch<S> {
             store(&mut self.chain.room.torque, e, torque);
         }
         // Directors: inertia vectors p = I c1 (d + du).
-        for i in 0..2 * n {
+        if self.chain.spins {
+            self.prepare_spins(stage);
+        }
+        for i in 0..if self.chain.spins { 0 } else { 2 * n } {
             let (du, _) = self.scheme.predict(stage, self.directors.rates(&self.chain, i));
             let (e, k) = (i / 2, i % 2);
             let d = self.chain.vec(&self.chain.room.d_start, 3 * e + k);
@@ -262,11 +265,16 @@ impl<S: Simd> SimdBatch<S> {
             let ahead = |track: &KinematicHistory<S>, i: usize| {
                 self.scheme.predict(stage, track.rates(&self.chain, i)).0
             };
-            let chord = ahead(&self.nodes, e + 1) - ahead(&self.nodes, e);
+            let rate = self.chain.one(&self.chain.model.h, e).recip();
+            let chord = (ahead(&self.nodes, e + 1) - ahead(&self.nodes, e)).scale(rate);
+            if self.chain.spins {
+                self.spin_ahead(stage, e, chord, wanted);
+                continue;
+            }
             let d = |k: usize| self.chain.vec(&self.chain.room.d_start, 3 * e + k);
             let turn = d(0).cross(ahead(&self.directors, 2 * e))
                 + d(1).cross(ahead(&self.directors, 2 * e + 1))
-                + d(2).cross(chord.scale(self.chain.one(&self.chain.model.h, e).recip()));
+                + d(2).cross(chord);
             self.chain.turn(e, turn.scale(half), wanted);
         }
     }
@@ -288,7 +296,10 @@ impl<S: Simd> SimdBatch<S> {
             }
         }
         // Directors d1 and d2.
-        for i in 0..2 * n {
+        if self.chain.spins {
+            self.take_over_spins(stage, done);
+        }
+        for i in 0..if self.chain.spins { 0 } else { 2 * n } {
             let at = 3 * (i / 2) + i % 2;
             let u = self.chain.vec(&self.chain.room.d, at)
                 - self.chain.vec(&self.chain.room.d_start, at);

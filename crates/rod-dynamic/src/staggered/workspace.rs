@@ -26,8 +26,13 @@ pub(super) struct BatchWorkspace<S: Simd> {
     /// Torques on the segments by impulses beside the axis, N m, world (3 per segment); empty
     /// without.
     pub(super) torque: Array<S>,
-    /// Inertia vectors of d1 and d2 (6 per segment).
+    /// Inertia vectors of d1 and d2 (6 per segment), of d3 where spins are coordinates (3).
     pub(super) p: Array<S>,
+    /// Polar inertias times the coefficient of accelerations, N m, and spins of the segments in the
+    /// step without torque, rad (2 per segment).
+    pub(super) spin: Array<S>,
+    /// Spins from which the search direction starts, rad (1 per segment).
+    pub(super) spin_origin: Array<S>,
     /// Directors at the present rotations, world (9 per segment).
     pub(super) d: Array<S>,
     /// Directors at the start of the step, world (9 per segment).
@@ -80,6 +85,9 @@ pub(super) struct Kept<S: Simd> {
     pub(super) coupling: Array<S>,
     /// Force and rotation increments of the last solve (6 per segment).
     pub(super) step: Array<S>,
+    /// Spins of the segments since the start of the step, rad (1 per segment), where they are
+    /// coordinates.
+    pub(super) spin: Array<S>,
     /// Vector from a held tip to its support, m, world.
     pub(super) gap: [S::f64s; 3],
 }
@@ -95,6 +103,8 @@ impl<S: Simd> BatchWorkspace<S> {
             start: none(),
             torque: none(),
             p: none(),
+            spin: none(),
+            spin_origin: none(),
             d: none(),
             d_start: none(),
             phi: none(),
@@ -133,6 +143,8 @@ impl<S: Simd> BatchWorkspace<S> {
         of_nodes.into_iter().for_each(|(array, size)| fit::<S>(array, size * (n + 1)));
         let of_segments = [
             (&mut self.p, 6),
+            (&mut self.spin, 2),
+            (&mut self.spin_origin, 1),
             (&mut self.d, 9),
             (&mut self.d_start, 9),
             (&mut self.hessian, 6),
@@ -162,7 +174,15 @@ impl<S: Simd> Kept<S> {
     pub(super) fn empty() -> Self {
         let none = || zeros::<S>(0);
         let gap = [S::f64s::zeroed(); 3];
-        Self { r: none(), w: none(), factor: Factor::new(0), coupling: none(), step: none(), gap }
+        Self {
+            r: none(),
+            w: none(),
+            factor: Factor::new(0),
+            coupling: none(),
+            step: none(),
+            spin: none(),
+            gap,
+        }
     }
 
     /// Resizes all arrays to rods of `n` segments.
@@ -171,6 +191,7 @@ impl<S: Simd> Kept<S> {
         of_nodes.into_iter().for_each(|(array, size)| fit::<S>(array, size * (n + 1)));
         fit::<S>(&mut self.coupling, 9 * n);
         fit::<S>(&mut self.step, 6 * n);
+        fit::<S>(&mut self.spin, n);
         self.factor.fit(n);
     }
 }

@@ -26,5 +26,6 @@ mod staggered_ledger;
 mod staggered_order;
 mod staggered_response;
 mod staggered_robust;
+mod staggered_spin;
 mod staggered_statics;
 mod staggered_swing;

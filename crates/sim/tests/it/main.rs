@@ -22,6 +22,7 @@ mod messages;
 mod objects;
 mod reference;
 mod rigid;
+mod rolling;
 mod runs;
 mod scenes;
 mod stacks;
