@@ -91,6 +91,29 @@ impl FiberGroup<StaggeredBatch> {
         done.map_err(|error| error.renumbered(|lane| self.fibers[lane]))
     }
 
+    /// Lets fibres that fly, and that `touches` tells, by their numbers, to touch something, bear
+    /// impulses from the next step on. Returns whether there are any.
+    pub(crate) fn land(&mut self, touches: impl Fn(usize) -> bool) -> bool {
+        let mut any = false;
+        for (lane, &fiber) in self.fibers.iter().enumerate() {
+            if !self.batch.bears(lane) && touches(fiber) {
+                self.batch.set_bearing(lane, true);
+                any = true;
+            }
+        }
+        any
+    }
+
+    /// Lets fibres fly from the next step on of which `touches` tells, by their numbers, that they
+    /// touch nothing.
+    pub(crate) fn take_off(&mut self, touches: impl Fn(usize) -> bool) {
+        for (lane, &fiber) in self.fibers.iter().enumerate() {
+            if !touches(fiber) {
+                self.batch.set_bearing(lane, false);
+            }
+        }
+    }
+
     /// Puts other impulses in place of those before, without moving anything.
     pub(crate) fn press(&mut self, impulses: Impulses) -> Result<(), StepError> {
         self.batch.press(impulses).map_err(|error| error.renumbered(|lane| self.fibers[lane]))

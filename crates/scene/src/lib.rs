@@ -330,8 +330,8 @@ impl Scene {
             check.within("contact", |c| contact.check(c));
             object::check_pairs(&self.objects, &contact.friction, check);
             if !self.stepper.can_touch() {
-                let message = "must be BackwardEuler, or left out, and without a tolerance where \
-                               fibers touch";
+                let message = "must be Staggered, BackwardEuler or left out, and without a tolerance \
+                               where fibers touch";
                 check.refuse("stepper.method", message.into());
             }
         } else if !self.objects.is_empty()

@@ -9,8 +9,7 @@ pub struct StepperSettings {
     /// Largest time step, s. The step taken is the largest not above it of which the frame
     /// interval is a multiple.
     pub dt: f64,
-    /// Time integrator; left out, it is `BackwardEuler` where there are contacts and else
-    /// `Staggered`.
+    /// Time integrator; left out, it is `Staggered`.
     #[serde(default)]
     pub method: Option<RodMethod>,
     /// Largest estimated error of the nodes' positions that may build up in a second of simulated
@@ -24,7 +23,8 @@ pub struct StepperSettings {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum RodMethod {
-    /// The staggered chain: second order in time and space, eight fibres at once.
+    /// The staggered chain: second order in time and space, eight fibres at once. Fibres that bear
+    /// contacts move by the backward Euler method as long as they do.
     Staggered {
         /// Spectral radius at infinite frequency: the fraction of the highest frequencies that is
         /// left after a step. 0 damps most; above 0.9 long runs may end, above 0.4 those of whips.
@@ -107,16 +107,15 @@ impl Weights {
 }
 
 impl StepperSettings {
-    /// The integrator, given whether there are contacts.
+    /// The integrator.
     #[must_use]
-    pub fn method(&self, touch: bool) -> RodMethod {
-        let usual = if touch { RodMethod::BackwardEuler } else { RodMethod::default() };
-        self.method.unwrap_or(usual)
+    pub fn method(&self) -> RodMethod {
+        self.method.unwrap_or_default()
     }
 
     /// Whether the method supports contacts.
     pub fn can_touch(&self) -> bool {
-        self.method(true) == RodMethod::BackwardEuler && self.tolerance.is_none()
+        self.keeps_ledgers()
     }
 
     /// Whether the method supports energy ledgers.
@@ -137,7 +136,7 @@ impl StepperSettings {
         if let Some(tolerance) = self.tolerance {
             check.number("tolerance", tolerance, Allowed::Positive, "m/s");
         }
-        check.within("method", |c| match &self.method(false) {
+        check.within("method", |c| match &self.method() {
             RodMethod::BackwardEuler => {
                 if self.tolerance.is_some() {
                     c.refuse("", "is of first order, but a tolerance needs one of second".into());

@@ -155,7 +155,7 @@ impl MemoryEstimate {
 
 fn bytes_of_node(scene: &Scene) -> f64 {
     let touch = scene.contact.is_some();
-    let own = match scene.stepper.method(touch) {
+    let own = match scene.stepper.method() {
         _ if scene.charging.is_some() => CHARGED_NODE,
         RodMethod::Box { .. } => SINGLE_NODE,
         _ if scene.stepper.tolerance.is_some() => SINGLE_NODE,

@@ -39,6 +39,7 @@ mod contact_work;
 mod delassus;
 mod detection;
 mod fiber_contacts;
+mod flight;
 mod forcing_term;
 mod group_body;
 mod in_contact;

@@ -177,11 +177,18 @@ impl ContactStepper {
         let first = self.memory.dt.is_none();
         let bearing = std::mem::take(&mut self.memory.bearing);
         let mut known = if first { self.bonds.clone() } else { bearing };
-        let solved =
-            self.solve(system, &mut part, &ExpectedImpulses { known: &known, scale }, last);
+        let solved = loop {
+            let expected = ExpectedImpulses { known: &known, scale };
+            match self.solve(system, &mut part, &expected, last) {
+                // Each time fewer fly.
+                Err(SubstepFailure::Landed) => system.abandon(),
+                solved => break solved,
+            }
+        };
         match &solved {
             Ok(()) => {
                 system.accept(time, dt);
+                system.take_off(&self.points);
                 cache_impulses(&self.points, &mut known);
             }
             Err(_) => {
@@ -217,6 +224,9 @@ impl ContactStepper {
             .with_impulses(expected.pushes(), |group, own| group.set_out(time, dt, own))?;
         laps.lap(&mut self.times.rods);
         let points = self.list(system, part, expected)?;
+        if system.land(&points) {
+            return Err(SubstepFailure::Landed);
+        }
         let mean = system.fibers.mean_velocities();
         let room = std::mem::take(&mut self.room);
         let mut case = self.case(system, part, expected, &mean, points, room)?;
@@ -258,6 +268,9 @@ impl ContactStepper {
                 }
                 (self.points, self.room) = case.into_parts();
                 return Ok(());
+            }
+            if system.land(&found.points) {
+                return Err(SubstepFailure::Landed);
             }
             case.set_gaps(system, &mean, dt);
             let (bearing, room) = case.into_parts();

@@ -26,8 +26,8 @@ pub struct StaggeredBatch {
     pub(super) time: f64,
     /// Size of the step that is under way across calls, s; zero if none is.
     pub(super) predicted: f64,
-    /// Whether accelerations are carried from step to step.
-    pub(super) memory: bool,
+    /// Whether fibres that bear nothing have a method of their own.
+    hybrid: bool,
     /// Whether the initial acceleration of a fibre is still to be found.
     pub(super) fresh: [bool; LANES],
     /// Value of `fresh` before the step that has been predicted.
@@ -49,10 +49,7 @@ impl StaggeredBatch {
     /// with damping times that are finite and not negative, and `0 <= rho_inf <= 1`; and for laws
     /// beside a damping time. [`RodError::Length`] for laws that are not one a node.
     pub fn new(rods: Vec<Rod>, rho_inf: f64) -> Result<Self, RodError> {
-        if !(0.0..=1.0).contains(&rho_inf) {
-            return Err(RodError::Invalid { what: "rho_inf", why: "must be between 0 and 1" });
-        }
-        Self::with_scheme(rods, Scheme::new(rho_inf))
+        Self::with_scheme(rods, Self::generalised_alpha(rho_inf)?, None)
     }
 
     /// Creates fibres as [`StaggeredBatch::new`] does, integrated with the backward Euler method:
@@ -63,10 +60,32 @@ impl StaggeredBatch {
     /// # Errors
     /// As [`StaggeredBatch::new`].
     pub fn backward_euler(rods: Vec<Rod>) -> Result<Self, RodError> {
-        Self::with_scheme(rods, Scheme::backward_euler())
+        Self::with_scheme(rods, Scheme::backward_euler(), None)
     }
 
-    fn with_scheme(rods: Vec<Rod>, scheme: Scheme) -> Result<Self, RodError> {
+    /// Creates fibres that move by the generalised-alpha method, second order in time, while they
+    /// bear nothing, and by backward Euler while they do: [`Self::set_bearing`] says when. None
+    /// bears at first. What turns in a step about the axis of a fibre may be any number of turns.
+    ///
+    /// # Errors
+    /// As [`StaggeredBatch::new`].
+    pub fn hybrid(rods: Vec<Rod>, rho_inf: f64) -> Result<Self, RodError> {
+        let flight = Self::generalised_alpha(rho_inf)?;
+        Self::with_scheme(rods, flight, Some(flight))
+    }
+
+    fn generalised_alpha(rho_inf: f64) -> Result<Scheme, RodError> {
+        if !(0.0..=1.0).contains(&rho_inf) {
+            return Err(RodError::Invalid { what: "rho_inf", why: "must be between 0 and 1" });
+        }
+        Ok(Scheme::generalised_alpha(rho_inf))
+    }
+
+    fn with_scheme(
+        rods: Vec<Rod>,
+        scheme: Scheme,
+        flight: Option<Scheme>,
+    ) -> Result<Self, RodError> {
         let invalid = |what, why| Err(RodError::Invalid { what, why });
         if rods.is_empty() || rods.len() > Self::MAX_FIBERS {
             return invalid("rods", "a batch has 1 to 8 rods");
@@ -79,15 +98,14 @@ impl StaggeredBatch {
             return invalid("damping time", "must be finite and not negative (s)");
         }
         rods.iter().try_for_each(check_laws)?;
-        let engine = build(&rods, scheme);
-        let memory = scheme.has_memory();
+        let engine = build(&rods, scheme, flight);
         let (fresh, fresh_before) = ([true; LANES], [true; LANES]);
         let mut batch = Self {
             engine,
             rods,
             time: 0.0,
             predicted: 0.0,
-            memory,
+            hybrid: flight.is_some(),
             fresh,
             fresh_before,
             ledgers: None,
@@ -179,6 +197,24 @@ impl StaggeredBatch {
         Ok(())
     }
 
+    /// Lets a fibre of a [hybrid](Self::hybrid) batch bear impulses from the next step on, or
+    /// nothing; other batches have one method for ever.
+    ///
+    /// # Panics
+    /// If there is no such fibre, as indexing does.
+    pub fn set_bearing(&mut self, fiber: usize, bearing: bool) {
+        self.engine.set_bearing(fiber, bearing);
+    }
+
+    /// Whether a fibre moves by backward Euler, as one that bears impulses does.
+    ///
+    /// # Panics
+    /// If there is no such fibre, as indexing does.
+    #[must_use]
+    pub fn bears(&self, fiber: usize) -> bool {
+        !self.engine.remembers(fiber)
+    }
+
     /// Sets additional forces on the nodes of one fibre, N, world, constant until set again.
     ///
     /// # Errors
@@ -207,13 +243,15 @@ impl StaggeredBatch {
         numbers.push(self.time);
         for fiber in 0..self.rods.len() {
             numbers.push(f64::from(self.fresh[fiber]));
+            numbers.extend(self.hybrid.then(|| f64::from(self.bears(fiber))));
             self.engine.save(fiber, numbers);
         }
     }
 
     /// Number of scalars that [`StaggeredBatch::save`] appends.
     fn numbers(&self) -> usize {
-        1 + (0..self.rods.len()).map(|fiber| 1 + self.engine.numbers(fiber)).sum::<usize>()
+        let flags = 1 + usize::from(self.hybrid);
+        1 + (0..self.rods.len()).map(|fiber| flags + self.engine.numbers(fiber)).sum::<usize>()
     }
 
     /// Restores the state from the numbers that [`StaggeredBatch::save`] wrote.
@@ -229,7 +267,10 @@ impl StaggeredBatch {
         self.time = *time;
         for fiber in 0..self.rods.len() {
             self.fresh[fiber] = rest[0] > 0.0;
-            rest = self.engine.restore(fiber, &rest[1..]);
+            if self.hybrid {
+                self.set_bearing(fiber, rest[1] > 0.0);
+            }
+            rest = self.engine.restore(fiber, &rest[1 + usize::from(self.hybrid)..]);
         }
         Ok(())
     }

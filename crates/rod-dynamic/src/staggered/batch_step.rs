@@ -224,8 +224,8 @@ impl StaggeredBatch {
             }
             self.engine.measure(&self.fresh);
         }
-        if !self.memory {
-            self.fresh = [false; LANES];
+        for fiber in 0..count {
+            self.fresh[fiber] &= self.engine.remembers(fiber);
         }
         // Lanes in which an initial acceleration exists, and the conditions of the solve for it.
         for fiber in (0..count).filter(|&fiber| self.fresh[fiber]) {

@@ -29,25 +29,25 @@ impl<S: pulp::Simd> ErasedBatch for SimdBatch<S> {}
 
 /// Builds a batch of at most eight rods: two lanes for one or two, else eight. All variants
 /// compute the same numbers where the machine has fused multiply-add.
-pub(super) fn build(rods: &[Rod], scheme: Scheme) -> Box<dyn ErasedBatch> {
+pub(super) fn build(rods: &[Rod], scheme: Scheme, flight: Option<Scheme>) -> Box<dyn ErasedBatch> {
     let wide = rods.len() > 2;
     #[cfg(target_arch = "x86_64")]
     if let Some(simd) = pulp::x86::V4::try_new()
         && wide
     {
-        return Box::new(SimdBatch::new(simd, rods, scheme));
+        return Box::new(SimdBatch::new(simd, rods, scheme, flight));
     }
     #[cfg(target_arch = "x86_64")]
     if let Some(simd) = pulp::x86::V3::try_new() {
         return if wide {
-            Box::new(SimdBatch::new(pulp::x86::V3_512b(simd), rods, scheme))
+            Box::new(SimdBatch::new(pulp::x86::V3_512b(simd), rods, scheme, flight))
         } else {
-            Box::new(SimdBatch::new(pulp::x86::V3_128b(simd), rods, scheme))
+            Box::new(SimdBatch::new(pulp::x86::V3_128b(simd), rods, scheme, flight))
         };
     }
     if wide {
-        Box::new(SimdBatch::new(pulp::Scalar512b, rods, scheme))
+        Box::new(SimdBatch::new(pulp::Scalar512b, rods, scheme, flight))
     } else {
-        Box::new(SimdBatch::new(pulp::Scalar128b, rods, scheme))
+        Box::new(SimdBatch::new(pulp::Scalar128b, rods, scheme, flight))
     }
 }

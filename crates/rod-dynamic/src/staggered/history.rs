@@ -2,7 +2,7 @@
 
 use super::array::{Array, set, store, zeros};
 use super::chain::RotationChain;
-use super::scheme::{Rates, Scheme, Stage, StepProblem};
+use super::scheme::{Rates, Stage, StepProblem};
 use pulp::Simd;
 use rapunzel_lanes::{Lane, V3};
 
@@ -36,19 +36,18 @@ impl<S: Simd> KinematicHistory<S> {
     pub(super) fn commit(
         &mut self,
         chain: &RotationChain<S>,
-        scheme: Scheme,
         stage: &Stage<S>,
         i: usize,
         u: V3<S>,
         done: Lane<S>,
     ) {
         let old = self.rates(chain, i);
-        let (du, vc) = scheme.predict(stage, old);
+        let (du, vc) = stage.predict(old);
         let acceleration = (u - du).scale(stage.c1);
         let new = if stage.problem == StepProblem::Start {
             Rates { v: old.v, a: acceleration, acceleration }
         } else {
-            scheme.finish(stage, old, u.mul_add(stage.cv, vc), acceleration)
+            stage.finish(old, u.mul_add(stage.cv, vc), acceleration)
         };
         store(&mut self.v, i, done.positive().select(new.v, old.v));
         if self.a.is_empty() {

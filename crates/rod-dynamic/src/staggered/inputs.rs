@@ -2,6 +2,7 @@
 
 use super::array::{self, at, set};
 use super::ends::EndKind;
+use super::scheme::Scheme;
 use super::simd_batch::SimdBatch;
 use crate::joint::Joint;
 use crate::{End, Impulses, Instant, Load, Rod, RodState};
@@ -19,6 +20,11 @@ pub(super) trait BatchInputs {
     fn set_state(&mut self, lane: usize, rod: &Rod, state: &RodState);
     /// Replaces the lane's section laws by those of `rod`, which must have as much memory.
     fn set_laws(&mut self, lane: usize, rod: &Rod);
+    /// Whether the method of the lane depends on the accelerations at the start of a step.
+    fn remembers(&self, lane: usize) -> bool;
+    /// Lets the lane move by backward Euler, or by the method of what bears nothing if the batch
+    /// has one.
+    fn set_bearing(&mut self, lane: usize, bearing: bool);
     /// Sets the external force on a node, N, world frame.
     fn set_node_force(&mut self, lane: usize, node: usize, force: &Vector3<f64>);
     /// Sets the impulses on the lane at the start of the step; starting a new step clears them. A
@@ -71,9 +77,13 @@ impl<S: Simd> BatchInputs for SimdBatch<S> {
             }
             let matrix: Matrix3<f64> = frame.to_rotation_matrix().into_inner();
             let rates = matrix * so3::hat(&state.angular_velocities[a]);
-            for k in 0..2 {
+            let spin = Vector3::new(state.angular_velocities[a].z, 0.0, 0.0);
+            let columns = [0, 1, 2].map(|k| rates.column(k).into_owned());
+            let [first, second] =
+                if self.chain.spins { [columns[2], spin] } else { [columns[0], columns[1]] };
+            for (k, rate) in [first, second].into_iter().enumerate() {
                 for i in 0..3 {
-                    set(&mut self.directors.v, 3 * (2 * a + k) + i, lane, rates[(i, k)]);
+                    set(&mut self.directors.v, 3 * (2 * a + k) + i, lane, rate[i]);
                 }
             }
             position += matrix.column(2) * at(&self.chain.model.h, a, lane);
@@ -96,6 +106,16 @@ impl<S: Simd> BatchInputs for SimdBatch<S> {
 
     fn set_laws(&mut self, lane: usize, rod: &Rod) {
         self.chain.laws.iter_mut().for_each(|laws| laws.replace(lane, rod));
+    }
+
+    fn remembers(&self, lane: usize) -> bool {
+        self.schemes[lane].remembers()
+    }
+
+    fn set_bearing(&mut self, lane: usize, bearing: bool) {
+        if let Some(flight) = self.flight {
+            self.schemes[lane] = if bearing { Scheme::backward_euler() } else { flight };
+        }
     }
 
     fn set_node_force(&mut self, lane: usize, node: usize, force: &Vector3<f64>) {

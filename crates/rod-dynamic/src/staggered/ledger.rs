@@ -32,13 +32,13 @@ use pulp::{NullaryFnOnce, Simd};
 use rapunzel_lanes::{LANES, Lane, V3};
 
 /// Motion over a step of a coordinate with mass 1.
-struct CoordinateMotion<S: Simd> {
+pub(super) struct CoordinateMotion<S: Simd> {
     /// Velocity at the end of the step.
-    end: V3<S>,
+    pub(super) end: V3<S>,
     /// Mean velocity over the step.
     mean: V3<S>,
     /// Acceleration at the end of the step.
-    acceleration: V3<S>,
+    pub(super) acceleration: V3<S>,
     /// Kinetic energy gained.
     gain: Lane<S>,
     /// Work of inertia and impulse that does not become kinetic energy.
@@ -82,7 +82,7 @@ impl<S: Simd> BatchLedger for SimdBatch<S> {
             let stored = if joined[k] { self.stored(lane, node, &strain) } else { 0.0 };
             set(&mut self.outset.stored, k, lane, stored);
         }
-        let share = if known && self.scheme.has_memory() { 0.5 } else { 1.0 };
+        let share = if known && self.schemes[lane].remembers() { 0.5 } else { 1.0 };
         set(std::slice::from_mut(&mut self.outset.share), 0, lane, share);
     }
 
@@ -188,9 +188,8 @@ impl<S: Simd> SimdBatch<S> {
             force.iter().zip(&mut out.forces[k]).for_each(|(new, old)| keep(*new, old));
             keep(stored[k].value, &mut out.stored[k]);
         }
-        if self.scheme.has_memory() {
-            keep(simd.splat_f64s(0.5), &mut out.share);
-        }
+        let share = self.schemes.map(|scheme| if scheme.remembers() { 0.5 } else { 1.0 });
+        keep(Lane::load(simd, &share, 0).value, &mut out.share);
     }
 
     /// Books the work of the reactions before and after the step along the displacement `way`.
@@ -342,7 +341,7 @@ impl<S: Simd> SimdBatch<S> {
         // Without damping there are no rates of joints, and none are needed.
         let damping = Lane::new(simd, self.damping);
         let rates = self.joints.rates(chain, j);
-        let (_, known) = self.scheme.predict(stage, rates);
+        let (_, known) = stage.predict(rates);
         let rate = bend.mul_add(stage.cv, known);
         let lost = -(damping * resisted.dot(rate));
         let mut mean_lost = -(damping * resisted.dot(bend) * stage.dt.recip());
@@ -380,14 +379,14 @@ impl<S: Simd> SimdBatch<S> {
     }
 
     #[inline(always)]
-    fn motion(
+    pub(super) fn motion(
         &self,
         stage: &Stage<S>,
         rates: Rates<S>,
         jump: V3<S>,
         way: V3<S>,
     ) -> CoordinateMotion<S> {
-        let (du, vc) = self.scheme.predict(stage, Rates { v: rates.v + jump, ..rates });
+        let (du, vc) = stage.predict(Rates { v: rates.v + jump, ..rates });
         let acceleration = (way - du).scale(stage.c1);
         let end = way.mul_add(stage.cv, vc);
         let mean = way.scale(stage.dt.recip());

@@ -79,9 +79,12 @@ impl<S: Simd> BatchReadout for SimdBatch<S> {
                 energy.elastic += self.stored(lane, a, &strain);
             }
         }
-        for i in 0..2 * n {
-            let rate = self.vector(&self.directors.v, i, lane);
-            energy.kinetic += 0.5 * at(&self.chain.model.inertia, i, lane) * rate.norm_squared();
+        for e in 0..n {
+            let frame = self.rotation(e, lane).to_rotation_matrix();
+            for (k, rate) in self.director_rates(e, lane, &frame).into_iter().enumerate() {
+                let inertia = at(&self.chain.model.inertia, 2 * e + k, lane);
+                energy.kinetic += 0.5 * inertia * rate.norm_squared();
+            }
         }
         energy
     }
@@ -96,8 +99,7 @@ impl<S: Simd> BatchReadout for SimdBatch<S> {
         }
         for e in 0..n {
             let frame = self.rotation(e, lane).to_rotation_matrix();
-            for k in 0..2 {
-                let rate = self.vector(&self.directors.v, 2 * e + k, lane);
+            for (k, rate) in self.director_rates(e, lane, &frame).into_iter().enumerate() {
                 let spin = frame.matrix().column(k).cross(&rate);
                 sum.angular += at(&self.chain.model.inertia, 2 * e + k, lane) * spin;
             }
@@ -152,16 +154,25 @@ impl<S: Simd> SimdBatch<S> {
     fn world_spin(&self, e: usize, lane: usize, frame: &Rotation3<f64>) -> Vector3<f64> {
         let h = at(&self.chain.model.h, e, lane);
         let v = |a: usize| self.vector(&self.nodes.v, a, lane);
-        let rates = [
-            self.vector(&self.directors.v, 2 * e, lane),
-            self.vector(&self.directors.v, 2 * e + 1, lane),
-            (v(e + 1) - v(e)) / h,
-        ];
+        let [first, second] = self.director_rates(e, lane, frame);
+        let rates = [first, second, (v(e + 1) - v(e)) / h];
         let mut sum = Vector3::zeros();
         for (k, rate) in rates.iter().enumerate() {
             sum += 0.5 * frame.matrix().column(k).cross(rate);
         }
         sum
+    }
+
+    /// Velocities of d1 and d2 of segment `e`, 1/s, world frame, with its material frame.
+    fn director_rates(&self, e: usize, lane: usize, frame: &Rotation3<f64>) -> [Vector3<f64>; 2] {
+        let rates = [2 * e, 2 * e + 1].map(|i| self.vector(&self.directors.v, i, lane));
+        if !self.chain.spins {
+            return rates;
+        }
+        // Directors stay at right angles: d1' d3 = -d1 d3', d1' d2 = -d2' d1, the spin rate.
+        let [d1, d2, d3] = [0, 1, 2].map(|k| frame.matrix().column(k));
+        let (axis, spin) = (rates[0], rates[1].x);
+        [d2 * spin - d3 * axis.dot(&d1), -d1 * spin - d3 * axis.dot(&d2)]
     }
 
     /// Elastic energy of joint `j` of one lane, J, where its rotation vector differs by `strain`

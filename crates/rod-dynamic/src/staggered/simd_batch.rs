@@ -18,7 +18,10 @@ use rapunzel_lanes::{LANES, Lane, V3};
 /// Model and state of up to eight fibres with equally many segments, one per lane.
 pub(super) struct SimdBatch<S: Simd> {
     pub(super) chain: RotationChain<S>,
-    pub(super) scheme: Scheme,
+    /// Methods of the lanes.
+    pub(super) schemes: [Scheme; LANES],
+    /// Method of fibres that bear nothing, where they do not all have one method for ever.
+    pub(super) flight: Option<Scheme>,
     /// Kelvin-Voigt retardation time of each lane, s.
     pub(super) damping: S::f64s,
     /// Positions of the nodes at the start of the step, m, world (3 per node). Rotations are in the
@@ -27,6 +30,8 @@ pub(super) struct SimdBatch<S: Simd> {
     /// Rotation vectors of the joints at the start of the step, rad (3 per joint).
     pub(super) phi: Array<S>,
     pub(super) nodes: KinematicHistory<S>,
+    /// Of d1 and d2 of each segment; of d3 and, in the first of three components, of the spin where
+    /// that is a coordinate.
     pub(super) directors: KinematicHistory<S>,
     pub(super) joints: KinematicHistory<S>,
     /// Impulses on the nodes at the start of the step, N s (3 per node), empty until set.
@@ -72,13 +77,15 @@ pub(super) struct Before<S: Simd> {
 impl<S: Simd> SimdBatch<S> {
     /// Batch of at least one rod, all with the same number of segments. Spare lanes repeat the last
     /// rod.
-    pub(super) fn new(simd: S, rods: &[Rod], scheme: Scheme) -> Self {
+    pub(super) fn new(simd: S, rods: &[Rod], scheme: Scheme, flight: Option<Scheme>) -> Self {
         let n = rods[0].fiber.segments();
         let any_damping = rods.iter().any(|rod| rod.damping_time > 0.0);
-        let memory = scheme.has_memory();
+        let memory = scheme.remembers() || flight.is_some();
+        let spins = !scheme.remembers() || flight.is_some();
         let mut pack = Self {
-            chain: RotationChain::new(simd, BatchModel::of(rods), !memory),
-            scheme,
+            chain: RotationChain::new(simd, BatchModel::of(rods), spins),
+            schemes: [scheme; LANES],
+            flight,
             damping: S::f64s::zeroed(),
             r: zeros::<S>(3 * (n + 1)),
             phi: zeros::<S>(3 * (n + 1)),
@@ -132,7 +139,7 @@ impl<S: Simd> SimdBatch<S> {
     #[inline(always)]
     pub(super) fn stage(&self, dt: &[f64; LANES], problem: StepProblem) -> Stage<S> {
         let dt = Lane::load(self.chain.simd, dt, 0);
-        self.scheme.stage(dt, problem)
+        Scheme::stage(&self.schemes, dt, problem)
     }
 
     /// Writes the coefficients of the step's equations into the chain.
@@ -153,7 +160,7 @@ impl<S: Simd> SimdBatch<S> {
             let mass = Lane::new(simd, self.chain.model.mass[a]);
             let before = rates.v;
             rates.v += self.jump(a);
-            let (du, vc) = self.scheme.predict(stage, rates);
+            let (du, vc) = stage.predict(rates);
             let (length, tangent) = self.reach(&self.chain.room.d_start, a);
             let drag = across * length;
             let inertial = mass * stage.c1;
@@ -190,7 +197,7 @@ impl<S: Simd> SimdBatch<S> {
             self.prepare_spins(stage);
         }
         for i in 0..if self.chain.spins { 0 } else { 2 * n } {
-            let (du, _) = self.scheme.predict(stage, self.directors.rates(&self.chain, i));
+            let (du, _) = stage.predict(self.directors.rates(&self.chain, i));
             let (e, k) = (i / 2, i % 2);
             let d = self.chain.vec(&self.chain.room.d_start, 3 * e + k);
             let inertia = Lane::new(simd, self.chain.model.inertia[i]) * stage.c1;
@@ -205,7 +212,7 @@ impl<S: Simd> SimdBatch<S> {
             let mut stiffness = self.chain.vec(&self.chain.model.stiffness, j);
             let mut target = self.chain.vec(&self.chain.model.rest, j);
             if self.any_damping {
-                let (_, vc) = self.scheme.predict(stage, self.joints.rates(&self.chain, j));
+                let (_, vc) = stage.predict(self.joints.rates(&self.chain, j));
                 let phi = self.chain.vec(&self.phi, j);
                 let rate = phi.scale(stage.cv) - vc;
                 target = rate.mul_add(damping, target).scale(factor.recip());
@@ -263,7 +270,7 @@ impl<S: Simd> SimdBatch<S> {
         let half = Lane::splat(self.chain.simd, 0.5);
         for e in 0..self.chain.n {
             let ahead = |track: &KinematicHistory<S>, i: usize| {
-                self.scheme.predict(stage, track.rates(&self.chain, i)).0
+                stage.predict(track.rates(&self.chain, i)).0
             };
             let rate = self.chain.one(&self.chain.model.h, e).recip();
             let chord = (ahead(&self.nodes, e + 1) - ahead(&self.nodes, e)).scale(rate);
@@ -290,20 +297,21 @@ impl<S: Simd> SimdBatch<S> {
             let v = self.chain.vec(&self.nodes.v, a);
             let after = done.positive().select(v + self.jump(a), v);
             store(&mut self.nodes.v, a, after);
-            self.nodes.commit(&self.chain, self.scheme, stage, a, new - old, done);
+            self.nodes.commit(&self.chain, stage, a, new - old, done);
             if stage.problem != StepProblem::Start {
                 store(&mut self.r, a, done.positive().select(new, old));
             }
         }
-        // Directors d1 and d2.
-        if self.chain.spins {
-            self.take_over_spins(stage, done);
-        }
-        for i in 0..if self.chain.spins { 0 } else { 2 * n } {
+        // Directors d1 and d2, or d3 and spins.
+        for i in 0..2 * n {
             let at = 3 * (i / 2) + i % 2;
-            let u = self.chain.vec(&self.chain.room.d, at)
-                - self.chain.vec(&self.chain.room.d_start, at);
-            self.directors.commit(&self.chain, self.scheme, stage, i, u, done);
+            let u = if self.chain.spins {
+                self.spin_ways(i / 2)[i % 2]
+            } else {
+                self.chain.vec(&self.chain.room.d, at)
+                    - self.chain.vec(&self.chain.room.d_start, at)
+            };
+            self.directors.commit(&self.chain, stage, i, u, done);
         }
         // Section laws and joints.
         if let Some(laws) = &mut self.chain.laws
@@ -320,7 +328,7 @@ impl<S: Simd> SimdBatch<S> {
             let new = self.chain.vec(&self.chain.room.phi, j);
             let old = self.chain.vec(&self.phi, j);
             if self.any_damping {
-                self.joints.commit(&self.chain, self.scheme, stage, j, new - old, done);
+                self.joints.commit(&self.chain, stage, j, new - old, done);
             }
             if stage.problem != StepProblem::Start {
                 store(&mut self.phi, j, done.positive().select(new, old));

@@ -1,16 +1,17 @@
 //! Spin of segments about their axes, an angle of any number of turns in a step.
 //!
 //! A thin fibre that rolls turns many times while its axis hardly moves. Inertia that is a mass on
-//! the directors d1 and d2 cannot tell one turn from two, and brakes them all. So where steps are
-//! taken by backward Euler the rotation of a segment over a step is parted into a swing, the
-//! shortest rotation that takes d3 from its start `t0` to its end `t`, and a spin `psi` about d3.
-//! The spin is a coordinate with the constant polar inertia `J = I1 + I2`, and adds the potential
-//! `c1 J (psi - dt omega)^2 / 2` to the step, with the spin rate `omega` at its start: exact for
-//! any angle. The swing has the mean of `I1` and `I2` as a mass on d3.
+//! the directors d1 and d2 cannot tell one turn from two, and brakes them all. So where fibres may
+//! bear contacts the rotation of a segment over a step is parted into a swing, the shortest
+//! rotation that takes d3 from its start `t0` to its end `t`, and a spin `psi` about d3. The spin
+//! is a coordinate with the constant polar inertia `J = I1 + I2`, for any angle; the swing has the
+//! mean of `I1` and `I2` as a mass on d3.
 //!
-//! A rotation `dtheta` changes the spin by `a dtheta`, `a = (t0 + t) / (1 + t0 t)`: the holonomy of
-//! parallel transport (Bergou et al. 2008). Of the Hessian `c1 J a a^T` is used, without what the
-//! change of `a` adds.
+//! The torque by the spin is that of its acceleration along d3, `J c1 (psi - dpsi)`, and the
+//! gyroscopic one, `J omega d3'`: by the values at the end of a step, for backward Euler by the spin
+//! rate at its start, with which angular momenta add up. A rotation `dtheta` changes the spin by `a
+//! dtheta`, `a = (t0 + t) / (1 + t0 t)`: the holonomy of parallel transport (Bergou et al. 2008).
+//! Newton's matrix has `J c1 a a^T` of it, without the gyroscopic part, which is not symmetric.
 
 use super::array::{store, store_quat};
 use super::chain::RotationChain;
@@ -75,17 +76,19 @@ impl<S: Simd> RotationChain<S> {
             *potential = *potential - d[0].dot(p[0]) - d[1].dot(p[1]);
             return;
         }
-        let p = self.vec(&self.room.p, e);
+        let p = self.vec(&self.room.p, 2 * e);
         *torque += d[2].cross(p);
         *hessian = *hessian + director_hessian(d[2], p, definite);
         *potential = *potential - d[2].dot(p);
         let before = self.directors_before(e);
-        let inertia = self.one(&self.room.spin, 2 * e);
         let found = spin(before, d, self.one(&self.kept.spin, e));
-        let ahead = found - self.one(&self.room.spin, 2 * e + 1);
-        let gradient = gradient(before[2], d[2]);
-        *torque += gradient.scale(-(inertia * ahead));
-        *hessian = *hessian + Sym::outer(gradient).scale(inertia);
+        let [inertia, target, still, rate] =
+            [0, 1, 2, 3].map(|k| self.one(&self.room.spin, 4 * e + k));
+        let ahead = found - target;
+        let axis_rate = (d[2] - before[2]).scale(Lane::new(self.simd, self.room.rate))
+            + self.vec(&self.room.p, 2 * e + 1);
+        *torque -= d[2].scale(inertia * ahead) + axis_rate.scale(rate.mul_add(found, still));
+        *hessian = *hessian + Sym::outer(gradient(before[2], d[2])).scale(inertia);
         *potential = (ahead * ahead).mul_add(inertia * ahead.lift(0.5), *potential);
     }
 
@@ -138,47 +141,7 @@ impl<S: Simd> RotationChain<S> {
     }
 }
 
-/// Rates of a segment by its directors.
-pub(super) struct SegmentRates<S: Simd> {
-    /// Spin about d3, rad/s.
-    pub(super) spin: Lane<S>,
-    /// Velocity of d3, 1/s, world.
-    pub(super) axis: V3<S>,
-}
-
-impl<S: Simd> SegmentRates<S> {
-    /// Rates of directors `d` with the velocities `v` of d1 and d2.
-    #[inline(always)]
-    pub(super) fn new(d: [V3<S>; 3], v: [V3<S>; 2]) -> Self {
-        let spin = (d[1].dot(v[0]) - d[0].dot(v[1])) * d[0].0[0].lift(0.5);
-        let axis = d[0].scale(-d[2].dot(v[0])) - d[1].scale(d[2].dot(v[1]));
-        Self { spin, axis }
-    }
-
-    /// Velocities of d1 and d2 of the directors `d`, 1/s, world.
-    #[inline(always)]
-    pub(super) fn directors(&self, d: [V3<S>; 3]) -> [V3<S>; 2] {
-        let lean = [self.axis.dot(d[0]), self.axis.dot(d[1])];
-        [d[1].scale(self.spin) - d[2].scale(lean[0]), d[2].scale(-lean[1]) - d[0].scale(self.spin)]
-    }
-}
-
 impl<S: Simd> SimdBatch<S> {
-    /// Rates of segment `e` at the start of the step.
-    #[inline(always)]
-    fn rates_before(&self, e: usize) -> SegmentRates<S> {
-        let v = [2 * e, 2 * e + 1].map(|i| self.chain.vec(&self.directors.v, i));
-        SegmentRates::new(self.chain.directors_before(e), v)
-    }
-
-    /// Rates of segment `e` at the end of the step that has been solved.
-    #[inline(always)]
-    fn rates_after(&self, stage: &Stage<S>, e: usize) -> SegmentRates<S> {
-        let way = self.chain.directors(e)[2] - self.chain.directors_before(e)[2];
-        let spin = self.chain.one(&self.chain.kept.spin, e) * stage.cv;
-        SegmentRates { spin, axis: way.scale(stage.cv) }
-    }
-
     /// Polar inertia of segment `e`, kg m^2.
     #[inline(always)]
     fn polar_inertia(&self, e: usize) -> Lane<S> {
@@ -186,28 +149,49 @@ impl<S: Simd> SimdBatch<S> {
         self.chain.one(inertia, 2 * e) + self.chain.one(inertia, 2 * e + 1)
     }
 
-    /// Writes the inertia vectors of d3, and inertias and targets of the spins, for the step.
+    /// Spin of segment `e` over the step, in the first of three components, rad.
+    #[inline(always)]
+    fn spin_vector(&self, e: usize) -> V3<S> {
+        let zero = Lane::splat(self.chain.simd, 0.0);
+        V3([self.chain.one(&self.chain.kept.spin, e), zero, zero])
+    }
+
+    /// Writes what the equations of d3 and of the spins have of the step.
     #[inline(always)]
     pub(super) fn prepare_spins(&mut self, stage: &Stage<S>) {
         let rest = stage.problem == StepProblem::Rest;
-        let weight = if rest { stage.c1.lift(0.0) } else { stage.c1 };
+        self.chain.room.rate = stage.cv.value;
+        let weight = if rest { stage.c1.lift(0.0) } else { stage.c1.lift(1.0) };
         for e in 0..self.chain.n {
-            let rates = self.rates_before(e);
+            let (of_axis, of_spin) = (
+                self.directors.rates(&self.chain, 2 * e),
+                self.directors.rates(&self.chain, 2 * e + 1),
+            );
+            let (du, vc) = stage.predict(of_axis);
+            let (ahead, known) = stage.predict(of_spin);
             let polar = self.polar_inertia(e) * weight;
+            let inertia = polar * stage.c1;
             let d = self.chain.directors_before(e)[2];
-            let p = rates.axis.mul_add(stage.dt, d).scale(polar * polar.lift(0.5));
-            store(&mut self.chain.room.p, e, p);
-            self.chain.room.spin[2 * e] = polar.value;
-            self.chain.room.spin[2 * e + 1] = (rates.spin * stage.dt).value;
+            let room = &mut self.chain.room;
+            store(&mut room.p, 2 * e, (d + du).scale(inertia * inertia.lift(0.5)));
+            store(&mut room.p, 2 * e + 1, vc);
+            // Spin rate of the gyroscopic torque: at the end, or at the start of the step.
+            let [by_spin, still] = [
+                stage.late.positive().select(stage.cv, stage.cv.lift(0.0)),
+                stage.late.positive().select(known.0[0], of_spin.v.0[0]),
+            ];
+            let all = [inertia, ahead.0[0], polar * still, polar * by_spin];
+            for (k, x) in all.into_iter().enumerate() {
+                room.spin[4 * e + k] = x.value;
+            }
         }
     }
 
     /// Turns segment `e` by the swing of its nodes, `chord` their displacement from each other in
-    /// lengths of the segment, and by its spin at the start of the step, in lanes that are
-    /// `wanted`.
+    /// lengths of the segment, and by its predicted spin, in lanes that are `wanted`.
     #[inline(always)]
     pub(super) fn spin_ahead(&mut self, stage: &Stage<S>, e: usize, chord: V3<S>, wanted: Lane<S>) {
-        let spin = self.rates_before(e).spin * stage.dt;
+        let spin = stage.predict(self.directors.rates(&self.chain, 2 * e + 1)).0.0[0];
         let swing = self.chain.directors_before(e)[2].cross(chord);
         self.chain.turn(e, swing, wanted);
         let q = Quat::load(self.chain.simd, &self.chain.q, e);
@@ -216,16 +200,11 @@ impl<S: Simd> SimdBatch<S> {
         self.chain.kept.spin[e] = wanted.positive().select(spin, old).value;
     }
 
-    /// Commits the rates of all segments in lanes that are `done`.
+    /// Displacements of d3 and of the spin of segment `e` over the step.
     #[inline(always)]
-    pub(super) fn take_over_spins(&mut self, stage: &Stage<S>, done: Lane<S>) {
-        for e in 0..self.chain.n {
-            let new = self.rates_after(stage, e).directors(self.chain.directors(e));
-            for (k, new) in new.into_iter().enumerate() {
-                let old = self.chain.vec(&self.directors.v, 2 * e + k);
-                store(&mut self.directors.v, 2 * e + k, done.positive().select(new, old));
-            }
-        }
+    pub(super) fn spin_ways(&self, e: usize) -> [V3<S>; 2] {
+        let axis = self.chain.directors(e)[2] - self.chain.directors_before(e)[2];
+        [axis, self.spin_vector(e)]
     }
 
     /// Rotation of segment `e` over the step as it has been solved so far, rad, world: swing and
@@ -253,21 +232,25 @@ impl<S: Simd> SimdBatch<S> {
         lines: &mut LedgerLanes<S>,
     ) -> V3<S> {
         let [before, d] = [self.chain.directors_before(e), self.chain.directors(e)];
-        let rates = self.rates_before(e);
-        // Torques by the inertias of the spin and of d3.
+        let zero = V3::splat(self.chain.simd, 0.0);
+        let [axis, spin] = self.spin_ways(e);
+        let rates = [2 * e, 2 * e + 1].map(|i| self.directors.rates(&self.chain, i));
+        let of_axis = self.motion(stage, rates[0], zero, axis);
+        let of_spin = self.motion(stage, rates[1], zero, spin);
+        // Torque by d3, by the acceleration of the spin, and the gyroscopic one.
         let polar = self.polar_inertia(e);
-        let spin = self.chain.one(&self.chain.kept.spin, e);
-        let push = stage.dt.negate_mul_add(rates.spin, spin) * polar * stage.c1;
-        let lag = (d[2] - before[2] - rates.axis.scale(stage.dt)).scale(stage.c1);
-        let of_axis = d[2].cross(lag.scale(polar * polar.lift(0.5)));
-        let torque = gradient(before[2], d[2]).scale(-push) - of_axis;
-        // What of their work does not become kinetic energy is the integrator's.
-        let [v, v_before] = [self.rates_after(stage, e).directors(d), rates.directors(before)];
+        let rate = stage.late.positive().select(of_spin.end.0[0], rates[1].v.0[0]);
+        let torque = d[2].cross(of_axis.acceleration).scale(polar * polar.lift(-0.5))
+            - (d[2].scale(of_spin.acceleration.0[0]) + of_axis.end.scale(rate)).scale(polar);
+        // What of its work does not become kinetic energy is the integrator's.
         let mut gain = polar.lift(0.0);
         for k in 0..2 {
             let inertia = self.chain.one(&self.chain.model.inertia, 2 * e + k);
-            let half = inertia * inertia.lift(0.5);
-            gain = (v[k] - v_before[k]).dot(v[k] + v_before[k]).mul_add(half, gain);
+            let (lean, rate) = (of_axis.end.dot(d[k]), of_spin.end.0[0]);
+            let (lean_before, rate_before) = (rates[0].v.dot(before[k]), rates[1].v.0[0]);
+            let change = (lean - lean_before) * (lean + lean_before)
+                + (rate - rate_before) * (rate + rate_before);
+            gain = change.mul_add(inertia * inertia.lift(0.5), gain);
         }
         lines.kinetic = lines.kinetic + gain;
         lines.integrator = lines.integrator + gain + torque.dot(turn);

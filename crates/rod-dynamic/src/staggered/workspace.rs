@@ -26,11 +26,15 @@ pub(super) struct BatchWorkspace<S: Simd> {
     /// Torques on the segments by impulses beside the axis, N m, world (3 per segment); empty
     /// without.
     pub(super) torque: Array<S>,
-    /// Inertia vectors of d1 and d2 (6 per segment), of d3 where spins are coordinates (3).
+    /// Inertia vectors of d1 and d2, or, where spins are coordinates, of d3 and its velocity at the
+    /// end of a step in which it does not move (6 per segment).
     pub(super) p: Array<S>,
-    /// Polar inertias times the coefficient of accelerations, N m, and spins of the segments in the
-    /// step without torque, rad (2 per segment).
+    /// Of the spins of segments: inertia times the coefficient of accelerations, N m; spin without
+    /// torque, rad; spin momentum of the gyroscopic torque, N m s, and its slope by the spin (4 per
+    /// segment).
     pub(super) spin: Array<S>,
+    /// Velocity by displacement in the step, 1/s.
+    pub(super) rate: S::f64s,
     /// Spins from which the search direction starts, rad (1 per segment).
     pub(super) spin_origin: Array<S>,
     /// Directors at the present rotations, world (9 per segment).
@@ -104,6 +108,7 @@ impl<S: Simd> BatchWorkspace<S> {
             torque: none(),
             p: none(),
             spin: none(),
+            rate: S::f64s::zeroed(),
             spin_origin: none(),
             d: none(),
             d_start: none(),
@@ -143,7 +148,7 @@ impl<S: Simd> BatchWorkspace<S> {
         of_nodes.into_iter().for_each(|(array, size)| fit::<S>(array, size * (n + 1)));
         let of_segments = [
             (&mut self.p, 6),
-            (&mut self.spin, 2),
+            (&mut self.spin, 4),
             (&mut self.spin_origin, 1),
             (&mut self.d, 9),
             (&mut self.d_start, 9),

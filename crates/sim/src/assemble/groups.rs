@@ -3,7 +3,7 @@
 use super::batch::{rods, side_by_side};
 use super::start::FiberStart;
 use crate::SimError;
-use crate::scene::{ContactSettings, Scene};
+use crate::scene::{ContactSettings, RodMethod, Scene};
 use rapunzel_coupling::{
     CollisionObject, FiberConditions, FiberGroup, Fibers, FibersInContact, RodBatch, Surroundings,
 };
@@ -27,14 +27,21 @@ pub(super) fn at_start<'a>(
 /// Fibres that touch each other and the objects around them.
 pub(super) fn in_contact(
     settings: &ContactSettings,
+    method: RodMethod,
     starts: &[FiberStart],
     assembly: Assembly,
     keeps_ledger: bool,
     around: &mut Surroundings<'_>,
 ) -> Result<FibersInContact, SimError> {
     let groups = groups(&assembly, starts, |starts| {
-        // Fibres that touch are integrated by backward Euler: all else has been refused.
-        side_by_side(StaggeredBatch::backward_euler(rods(starts))?, starts)
+        let batch = match method {
+            RodMethod::Staggered { rho_infinity } => {
+                StaggeredBatch::hybrid(rods(starts), rho_infinity)?
+            }
+            // All else has been refused.
+            _ => StaggeredBatch::backward_euler(rods(starts))?,
+        };
+        side_by_side(batch, starts)
     })?;
     let fibers = Fibers::new(assembly, groups, keeps_ledger);
     Ok(FibersInContact::new(settings.clone(), fibers, around)?)

@@ -99,14 +99,15 @@ fn stepper(
     let tells_ledger = scene.output.ledger;
     let Some(settings) = &scene.contact else {
         let groups = groups(&assembly, starts, |starts| {
-            batch(scene.stepper.method(false), scene.stepper.tolerance, starts)
+            batch(scene.stepper.method(), scene.stepper.tolerance, starts)
         })?;
         let fibers = Fibers::new(assembly, groups, keeps_ledger);
         return Ok(Box::new(Free { fibers, scenery, tells_ledger }));
     };
     let count = objects.len();
     let mut around = at_start(scene, objects);
-    let fibers = in_contact(settings, starts, assembly, keeps_ledger, &mut around)?;
+    let method = scene.stepper.method();
+    let fibers = in_contact(settings, method, starts, assembly, keeps_ledger, &mut around)?;
     Ok(Box::new(InContact { fibers, scenery, tells_ledger, objects: count }))
 }
 

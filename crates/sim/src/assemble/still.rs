@@ -3,7 +3,7 @@
 
 use super::groups::{assembly, at_start, in_contact};
 use super::start::FiberStart;
-use crate::scene::{ContactSettings, Motion, Scene, Wind};
+use crate::scene::{ContactSettings, Motion, RodMethod, Scene, Wind};
 use crate::{Plan, SimError};
 use nalgebra::Vector3;
 use rapunzel_coupling::{BodyRef, BundleConditions, CollisionObject, FibersInContact};
@@ -72,7 +72,14 @@ impl Still {
         let assembly = assembly(&self.starts);
         let layout = assembly.layout().clone();
         let mut around = at_start(&self.scene, &mut self.objects);
-        let mut fibers = in_contact(settings, &self.starts, assembly, false, &mut around)?;
+        let mut fibers = in_contact(
+            settings,
+            RodMethod::BackwardEuler,
+            &self.starts,
+            assembly,
+            false,
+            &mut around,
+        )?;
         around.end = dt;
         fibers.step(&mut around, dt)?;
         Ok(node_forces(&fibers, &layout))
@@ -94,7 +101,14 @@ impl Still {
         let layout = assembly.layout().clone();
         let mut around = at_start(&self.scene, &mut self.objects);
         let settings = ContactSettings { residual: RESIDUAL, ..settings.clone() };
-        let mut fibers = in_contact(&settings, &self.starts, assembly, false, &mut around)?;
+        let mut fibers = in_contact(
+            &settings,
+            RodMethod::BackwardEuler,
+            &self.starts,
+            assembly,
+            false,
+            &mut around,
+        )?;
         let (mut before, mut slow_steps) = (vec![0.0; self.starts.len()], 0);
         for step in 0..MOST_STEPS {
             at(step);

@@ -1,0 +1,33 @@
+//! Which fibres fly: those near nothing move by a method of second order, the others by backward
+//! Euler, with which contacts come to rest.
+
+use super::system::CoupledSystem;
+use crate::contact_point::{BodyRef, ContactPoint};
+use rayon::prelude::*;
+
+/// Whether each fibre is a side of any of some contact points.
+fn touching(fibers: usize, points: &[ContactPoint]) -> Vec<bool> {
+    let mut touching = vec![false; fibers];
+    for side in points.iter().flat_map(|point| point.sides) {
+        if let BodyRef::Fiber(fiber) = side {
+            touching[fiber as usize] = true;
+        }
+    }
+    touching
+}
+
+impl CoupledSystem<'_> {
+    /// Lets fibres that fly and are sides of contact points bear them from the next substep on.
+    /// Returns whether there are any: the substep under way has to be set out anew.
+    pub(super) fn land(&mut self, points: &[ContactPoint]) -> bool {
+        let touching = touching(self.fibers.assembly().fibers().len(), points);
+        let groups = self.fibers.groups.par_iter_mut();
+        groups.map(|group| group.land(|fiber| touching[fiber])).reduce(|| false, |a, b| a | b)
+    }
+
+    /// Lets fibres that are sides of no contact point fly from the next substep on.
+    pub(super) fn take_off(&mut self, points: &[ContactPoint]) {
+        let touching = touching(self.fibers.assembly().fibers().len(), points);
+        self.fibers.groups.par_iter_mut().for_each(|group| group.take_off(|f| touching[f]));
+    }
+}
