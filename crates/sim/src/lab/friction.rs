@@ -21,8 +21,8 @@ const VELOCITY: f64 = 0.01;
 const DT: f64 = 1e-3;
 const CAPSTAN_STEPS: usize = 100;
 
-/// Draws a hair over a cylinder of nylon, wet where the air is saturated, and reads the tensions of
-/// its ends: `mu = ln(T1 / T0) / pi`, Euler's formula.
+/// Draws a hair by a clamp over a cylinder of nylon, wet where the air is saturated, and reads the
+/// tensions of its ends: `mu = ln(T1 / T0) / pi`, Euler's formula.
 pub(super) fn capstan(sample: &LabSample) -> Result<Reading, SimError> {
     let on = FrictionSurface::Nylon;
     let wetness = sample.wetness();
@@ -40,7 +40,7 @@ pub(super) fn capstan(sample: &LabSample) -> Result<Reading, SimError> {
             fibers: [(
                 length: {:?}, segments: {}, initial: Straight, section: Circle(radius: 1e-5),
                 root: (position: ({:?}, 0, {:?}), orientation: Along(direction: (0, 0, 1))),
-                motion: Translate(velocity: (0, 0, {:?}), until: 1.0), root_joint: Ball(),
+                motion: Translate(velocity: (0, 0, {:?}), until: 1.0),
                 tip: Loaded(force: (value: (0, 0, {:?}))),
             )],
             objects: [(shape: Capsule(length: 0.04, radius: {RADIUS:?}), turn: (90, 0, 0))],

@@ -32,7 +32,9 @@ struct Rest {
 /// radius.
 fn rest(mu: f64, loads: &[f64]) -> Vec<Rest> {
     let thin = 1e-5_f64;
-    let modulus = 4.0 / (PI * thin.powi(4));
+    // A ribbon, bent about its weak axis: free to spin, a round rod is free to leave the plane.
+    let flat = [thin / 3.0, 3.0 * thin];
+    let modulus = 4.0 / (PI * flat[0].powi(3) * flat[1]);
     let density = 0.01 / (PI * thin * thin);
     // The middles of chords are on the drum, the axis on average at its radius.
     let drum = RADIUS / (1.0 + (SEGMENT / RADIUS).powi(2) / 12.0) - thin;
@@ -45,7 +47,7 @@ fn rest(mu: f64, loads: &[f64]) -> Vec<Rest> {
     }
     let mut run = Run::read(&format!(
         "(format: 1, duration: 100.0, fibers: [(length: {:?}, segments: {},
-            section: Circle(radius: {thin:?}), material: Elastic(density: {density:?},
+            section: Ellipse(a: {:?}, b: {:?}), material: Elastic(density: {density:?},
             youngs_modulus: {modulus:?}, shear_modulus: {modulus:?}),
             root: (position: ({:?}, 0, {:?}), orientation: Along(direction: (1, 0, 0))),
             root_joint: Ball(),
@@ -56,6 +58,8 @@ fn rest(mu: f64, loads: &[f64]) -> Vec<Rest> {
         environment: (gravity: (0, 0, 0), viscosity: 0.1), stepper: (dt: {dt:?}))",
         before + behind,
         ((before + behind) / SEGMENT).round(),
+        flat[0],
+        flat[1],
         -behind,
         drum + thin + 1e-6,
     ));

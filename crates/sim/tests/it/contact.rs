@@ -101,7 +101,7 @@ fn free_hairs_that_collide_keep_their_momentum() {
     assert!(active > 20, "they collide: {active}");
 }
 
-/// Hairs that lie on a rough slope stay where they are, to the last bit of what the solver is asked
+/// Hairs that lie down a rough slope stay where they are, to the last bit of what the solver is asked
 /// for; on a smooth one they slide as g sin(alpha) wants.
 #[test]
 fn hairs_stick_on_a_rough_slope_and_slide_on_a_smooth_one() {
@@ -113,9 +113,9 @@ fn hairs_stick_on_a_rough_slope_and_slide_on_a_smooth_one() {
     let lying = hair(
         20,
         &format!(
-            "root: (position: ({:?}, {:?}, {:?}), orientation: Along(direction: (0, 1, 0))), \
-             root_joint: Free",
-            at.x, at.y, at.z
+            "root: (position: ({:?}, {:?}, {:?}), \
+             orientation: Along(direction: ({:?}, 0, {:?}))), root_joint: Free",
+            at.x, at.y, at.z, down.x, down.z
         ),
     );
     for mu in [0.5, 0.0, 0.2] {

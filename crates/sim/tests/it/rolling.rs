@@ -78,3 +78,36 @@ fn a_cylinder_that_is_thrown_rolls_on() {
     let lost = 1.0 - run.world.energy().total() / energy;
     assert!(lost.abs() < 1e-6, "{lost}");
 }
+
+/// False twist: between two plates that move past each other a fibre stays where it is and spins
+/// by their velocity over its radius, in contacts that give way a little.
+#[test]
+fn a_fiber_between_two_plates_takes_their_turns() {
+    let (radius, speed) = (4e-5, 0.1);
+    let plate = |normal: f64, height: f64, speed: f64, sinking: f64| {
+        format!(
+            "(shape: Plane(normal: (0, 0, {normal:?})), position: (0, 0, {height:?}),
+                motion: Translate(velocity: ({speed:?}, 0, {sinking:?}), until: 1.0))"
+        )
+    };
+    let mut run = Run::read(&format!(
+        "(format: 1, duration: 1.0, fibers: [(length: 0.01, segments: 5,
+            section: Circle(radius: {radius:?}), root_joint: Free,
+            root: (position: (0, 0, {radius:?}), orientation: Along(direction: (0, 1, 0))))],
+        objects: [{}, {}],
+        environment: (gravity: (0, 0, 0)),
+        contact: (friction: Isotropic(0.3), compliance: 10.0, residual: 1e-6, slip: 1e-8),
+        stepper: (dt: 1e-3))",
+        plate(1.0, 0.0, -speed, 0.0),
+        plate(-1.0, 2.0 * radius, speed, -1e-5),
+    ));
+    run.steps(100);
+    let [velocity, spin] = motion(&run);
+    println!("{:.6} of the velocity of the plates, {velocity:.1e} m/s", spin * radius / speed);
+    // What presses sinks in by half of 1 um, which is taken from the lever.
+    assert!((spin * radius / speed - 1.0).abs() < 0.02, "{spin}");
+    assert!(velocity.abs() < 1e-4 * speed, "{velocity}");
+    for spin in run.world.state(0).angular_velocities {
+        assert!((spin.z.abs() * radius / speed - 1.0).abs() < 0.02, "{spin}");
+    }
+}
