@@ -9,6 +9,7 @@ mod estimate;
 mod file;
 mod folder;
 mod folder_lock;
+mod hands;
 pub mod lab;
 mod manifest;
 mod mass_spring;
@@ -30,6 +31,7 @@ pub use estimate::{MemoryEstimate, MemoryShare};
 pub use file::read_text;
 pub use folder::{Existing, RunFolder, claim};
 pub use folder_lock::in_use;
+pub use hands::NodePull;
 pub use rapunzel_charging::{ChargeReport, ChargingError};
 pub use rapunzel_coupling::{
     ActiveContact, BodyRef, ContactReport, ContactTimes, ContactWork, CouplingError, EnergyLedger,
