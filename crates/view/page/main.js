@@ -15,6 +15,7 @@ const $ = (id) => document.getElementById(id);
 const canvas = $("picture");
 const SIDES = ["front", "right", "back", "left", "top", "below"];
 const SUPPORT = [0.93, 0.35, 0.24];
+const SIDEWAYS = { azimuth: 0.35, elevation: 0.15 };
 const HELD = [0.1, 0.55, 0.95];
 
 // What may be read by tests too.
@@ -101,6 +102,8 @@ function showAbout(about) {
     page.isFit = false;
     say("");
     page.tool = about.can_hold ? "hand" : "view";
+    // Springs hang in a plane, which is seen best from the front.
+    Object.assign(page.camera, about.can_hold ? { azimuth: 0, elevation: 0 } : SIDEWAYS);
     charts.make(plots(about));
     if (about.warning) say(about.warning);
   }
@@ -129,7 +132,7 @@ function showAbout(about) {
 
 function showState(state) {
   page.state = { ...state, names: page.about.readings, has_contacts: page.about.has_contacts };
-  $("run").textContent = state.runs ? "⏸" : "▶";
+  $("run").querySelector("use").setAttribute("href", state.runs ? "#i-pause" : "#i-run");
   $("run").toggleAttribute("data-on", Boolean(state.runs));
   $("run").setAttribute("aria-label", word(state.runs ? "pause" : "run"));
   const behind = state.lag > 0.05 ? ` <small>−${quantity(state.lag, "s")}</small>` : "";

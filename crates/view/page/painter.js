@@ -5,6 +5,13 @@ import { add, multiply, norm, orthographic, pose, scale, sub, unit, view } from 
 import { programs } from "./shaders.js";
 
 const SHADOW = 1024;
+// Texels in a row of a texture with one for each point.
+const ROW = 2048;
+// Where textures are bound, and the names by which shaders know them.
+const [POINTS, COLORS, RADII] = [1, 2, 3];
+const UNITS = { uShadow: 0, uPoints: POINTS, uColors: COLORS, uRadii: RADII };
+// More held roots of fibres than these are not marked.
+const MOST_ROOTS = 30;
 
 export class Painter {
   // Throws if the browser has no WebGL2.
@@ -16,16 +23,75 @@ export class Painter {
     this.gl = gl;
     this.programs = {};
     for (const [name, code] of Object.entries(programs)) this.programs[name] = build(gl, code);
-    this.points = gl.createBuffer();
-    this.fixed = gl.createBuffer();
-    this.faces = gl.createBuffer();
     this.marks = gl.createBuffer();
-    this.fibers = gl.createVertexArray();
-    this.cloth = gl.createVertexArray();
     this.marking = gl.createVertexArray();
+    // What is drawn from textures has indices and no attributes.
+    this.ribbons = this.makeIndices();
+    this.lines = this.makeIndices();
+    this.cloth = this.makeIndices();
     this.objects = [];
     this.makeShadow();
-    this.describe();
+    gl.bindVertexArray(this.marking);
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.marks);
+    gl.vertexAttribPointer(0, 3, gl.FLOAT, false, 28, 0);
+    gl.vertexAttribPointer(1, 4, gl.FLOAT, false, 28, 12);
+    [0, 1].forEach((k) => gl.enableVertexAttribArray(k));
+    gl.bindVertexArray(null);
+  }
+
+  makeIndices() {
+    const gl = this.gl;
+    const array = gl.createVertexArray();
+    gl.bindVertexArray(array);
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
+    gl.bindVertexArray(null);
+    return { array, count: 0 };
+  }
+
+  fillIndices(indices, list) {
+    const gl = this.gl;
+    gl.bindVertexArray(indices.array);
+    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, list, gl.STATIC_DRAW);
+    gl.bindVertexArray(null);
+    indices.count = list.length;
+  }
+
+  drawIndices(mode, indices) {
+    const gl = this.gl;
+    gl.bindVertexArray(indices.array);
+    gl.drawElements(mode, indices.count, gl.UNSIGNED_INT, 0);
+    gl.bindVertexArray(null);
+  }
+
+  // A texture with a texel for each point, in rows of 2048.
+  makeTexture(unit, format) {
+    const gl = this.gl;
+    const rows = Math.max(1, Math.ceil(this.layout.count / ROW));
+    this.textures ??= {};
+    gl.deleteTexture(this.textures[unit] ?? null);
+    this.textures[unit] = gl.createTexture();
+    gl.activeTexture(gl.TEXTURE0 + unit);
+    gl.bindTexture(gl.TEXTURE_2D, this.textures[unit]);
+    gl.texStorage2D(gl.TEXTURE_2D, 1, format, ROW, rows);
+    for (const side of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) {
+      gl.texParameteri(gl.TEXTURE_2D, side, gl.NEAREST);
+    }
+    gl.activeTexture(gl.TEXTURE0);
+  }
+
+  // Fills whole rows of a texture, then the rest.
+  fillTexture(unit, [format, type], numbers, each) {
+    const gl = this.gl;
+    gl.activeTexture(gl.TEXTURE0 + unit);
+    const [rows, rest] = [Math.floor(this.layout.count / ROW), this.layout.count % ROW];
+    const put = (row, width, height) => {
+      if (width * height === 0) return;
+      const part = numbers.subarray(each * row * ROW);
+      gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, row, width, height, format, type, part);
+    };
+    put(0, ROW, rows);
+    put(rows, rest, 1);
+    gl.activeTexture(gl.TEXTURE0);
   }
 
   makeShadow() {
@@ -45,58 +111,35 @@ export class Painter {
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
   }
 
-  // Says where attributes are. There is a point before the first and two after the last, so that
-  // every segment has neighbors.
-  describe() {
-    const gl = this.gl;
-    gl.bindVertexArray(this.fibers);
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.points);
-    for (let k = 0; k < 4; k++) {
-      gl.vertexAttribPointer(k, 4, gl.UNSIGNED_SHORT, false, 8, 8 * k);
-    }
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.fixed);
-    for (let k = 0; k < 2; k++) {
-      gl.vertexAttribPointer(4 + k, 1, gl.FLOAT, false, 8, 8 + 8 * k);
-      gl.vertexAttribPointer(6 + k, 4, gl.UNSIGNED_BYTE, false, 8, 12 + 8 * k);
-    }
-    for (let k = 0; k < 8; k++) {
-      gl.enableVertexAttribArray(k);
-      gl.vertexAttribDivisor(k, 1);
-    }
-    gl.bindVertexArray(this.cloth);
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.points);
-    gl.vertexAttribPointer(1, 4, gl.UNSIGNED_SHORT, false, 8, 8);
-    gl.enableVertexAttribArray(1);
-    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.faces);
-    gl.bindVertexArray(this.marking);
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.marks);
-    gl.vertexAttribPointer(0, 3, gl.FLOAT, false, 28, 0);
-    gl.vertexAttribPointer(1, 4, gl.FLOAT, false, 28, 12);
-    [0, 1].forEach((k) => gl.enableVertexAttribArray(k));
-    gl.bindVertexArray(null);
-  }
-
   setLayout(layout) {
     const gl = this.gl;
     this.layout = layout;
     this.frame = null;
-    const fixed = new DataView(new ArrayBuffer(8 * (layout.count + 3)));
-    let point = 0;
-    layout.counts.forEach((count, strand) => {
-      for (let k = 0; k < count; k++, point++) {
-        const at = 8 * (point + 1);
-        fixed.setFloat32(at, layout.radii[point], true);
-        for (let c = 0; c < 3; c++) fixed.setUint8(at + 4 + c, layout.colors[4 * strand + c]);
-        fixed.setUint8(at + 7, (k === 0 ? 1 : 0) + (k === count - 1 ? 2 : 0));
+    const { count, counts, radii, triangles } = layout;
+    const colors = new Uint8Array(4 * count);
+    const ribbons = new Uint32Array(2 * count + counts.length);
+    const lines = new Uint32Array(count + counts.length);
+    let [point, ribbon, line] = [0, 0, 0];
+    counts.forEach((own, strand) => {
+      for (let k = 0; k < own; k++, point++) {
+        for (let c = 0; c < 3; c++) colors[4 * point + c] = layout.colors[4 * strand + c];
+        colors[4 * point + 3] = (k === 0 ? 1 : 0) + (k === own - 1 ? 2 : 0);
+        ribbons[ribbon++] = 2 * point;
+        ribbons[ribbon++] = 2 * point + 1;
+        // A shadow needs not every point of a hair.
+        if (layout.springs || k % 2 === 0 || k === own - 1) lines[line++] = point;
       }
+      // The largest number begins anew.
+      ribbons[ribbon++] = lines[line++] = 0xffffffff;
     });
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.fixed);
-    gl.bufferData(gl.ARRAY_BUFFER, fixed, gl.STATIC_DRAW);
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.points);
-    gl.bufferData(gl.ARRAY_BUFFER, 8 * (layout.count + 3), gl.DYNAMIC_DRAW);
-    gl.bindVertexArray(this.cloth);
-    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, layout.triangles, gl.STATIC_DRAW);
-    gl.bindVertexArray(null);
+    this.fillIndices(this.ribbons, ribbons);
+    this.fillIndices(this.lines, lines.subarray(0, line));
+    this.fillIndices(this.cloth, triangles);
+    this.makeTexture(POINTS, gl.RGBA16UI);
+    this.makeTexture(COLORS, gl.RGBA8UI);
+    this.fillTexture(COLORS, [gl.RGBA_INTEGER, gl.UNSIGNED_BYTE], colors, 4);
+    this.makeTexture(RADII, gl.R32F);
+    this.fillTexture(RADII, [gl.RED, gl.FLOAT], radii, 1);
     for (const object of this.objects) {
       gl.deleteBuffer(object.buffer);
       gl.deleteVertexArray(object.array);
@@ -127,8 +170,7 @@ export class Painter {
         if (frame.points[k + axis] > this.most[axis]) this.most[axis] = frame.points[k + axis];
       }
     }
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.points);
-    gl.bufferSubData(gl.ARRAY_BUFFER, 8, frame.points);
+    this.fillTexture(POINTS, [gl.RGBA_INTEGER, gl.UNSIGNED_SHORT], frame.points, 4);
     return true;
   }
 
@@ -195,25 +237,16 @@ export class Painter {
     gl.enable(gl.DEPTH_TEST);
     gl.bindTexture(gl.TEXTURE_2D, this.depth);
     this.drawObjects(common, camera.target, look.object);
-    gl.enable(gl.SAMPLE_ALPHA_TO_COVERAGE);
-    this.use("fiber", {
+    this.use(this.layout.springs ? "fiber" : "hair", {
       ...common,
       uPixel: (2 * seen.tangent) / height,
       uThickness: look.thickness,
-      uThinnest: 0.75 * look.density,
+      uThinnest: 0.55 * look.density,
       uRoundness: this.layout.springs ? 0.9 : 0.35,
     });
-    this.drawSegments(gl.TRIANGLE_STRIP, 4);
-    gl.disable(gl.SAMPLE_ALPHA_TO_COVERAGE);
+    this.drawIndices(gl.TRIANGLE_STRIP, this.ribbons);
     if (look.surfaces && this.layout.triangles.length > 0) this.drawCloth(common, look.cloth);
     this.drawMarks(common, camera.target, look);
-  }
-
-  drawSegments(mode, corners) {
-    const gl = this.gl;
-    gl.bindVertexArray(this.fibers);
-    gl.drawArraysInstanced(mode, 0, corners, Math.max(0, this.layout.count - 1));
-    gl.bindVertexArray(null);
   }
 
   drawObjects(common, from, own) {
@@ -234,9 +267,7 @@ export class Painter {
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
     gl.depthMask(false);
-    gl.bindVertexArray(this.cloth);
-    gl.drawElements(gl.TRIANGLES, this.layout.triangles.length, gl.UNSIGNED_INT, 0);
-    gl.bindVertexArray(null);
+    this.drawIndices(gl.TRIANGLES, this.cloth);
     gl.depthMask(true);
     gl.disable(gl.BLEND);
   }
@@ -246,14 +277,16 @@ export class Painter {
     const gl = this.gl;
     const [dots, lines] = [[], []];
     const put = (list, place, color) => list.push(...sub(place, from), ...color, 1);
-    const { supports } = this.layout;
-    for (let k = 0; k < supports.length; k += 2) put(dots, this.place(supports[k]), look.fixed);
+    const { springs, supports } = this.layout;
+    // Roots of hair are many, and seen to be in the skin.
+    const few = springs || supports.length < 2 * MOST_ROOTS;
+    for (let k = 0; few && k < supports.length; k += 2) put(dots, this.place(supports[k]), look.fixed);
     for (const { point, to } of look.hands) {
       const place = this.place(point);
       put(dots, place, look.held);
       if (to) [place, to].forEach((end) => put(lines, end, look.held));
     }
-    this.use("mark", { uClip: common.uClip, uSize: 11 * look.density, uRound: 1 });
+    this.use("mark", { uClip: common.uClip, uSize: (springs ? 11 : 7) * look.density });
     gl.bindVertexArray(this.marking);
     for (const [list, mode] of [[lines, gl.LINES], [dots, gl.POINTS]]) {
       this.put("mark", "uRound", mode === gl.POINTS ? 1 : 0);
@@ -287,12 +320,13 @@ export class Painter {
     this.drawObjects({ uClip: clip, ...dark }, camera.target, [0, 0, 0]);
     const origin = sub(this.frame.origin, camera.target);
     this.use("fiberShadow", { uClip: clip, uOrigin: origin, uUnit: this.frame.unit });
-    this.drawSegments(gl.LINES, 2);
+    this.drawIndices(gl.LINE_STRIP, this.lines);
     return { clip, look: [1, 2 * radius, 0.09 * radius] };
   }
 
   use(name, values) {
     this.gl.useProgram(this.programs[name].program);
+    for (const [uniform, unit_] of Object.entries(UNITS)) this.put(name, uniform, unit_);
     for (const [uniform, value] of Object.entries(values)) this.put(name, uniform, value);
   }
 
@@ -304,7 +338,7 @@ export class Painter {
     if (type === gl.FLOAT_MAT4) gl.uniformMatrix4fv(at, false, value);
     else if (type === gl.FLOAT_VEC3) gl.uniform3fv(at, value);
     else if (type === gl.FLOAT_VEC2) gl.uniform2fv(at, value);
-    else if (type === gl.INT) gl.uniform1i(at, value);
+    else if (type !== gl.FLOAT) gl.uniform1i(at, value);
     else gl.uniform1f(at, value);
   }
 }

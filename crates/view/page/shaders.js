@@ -46,90 +46,105 @@ float lit(vec3 place) {
 }
 `;
 
+// Points lie in textures, so that every vertex can look at its neighbors.
 const PLACES = `
+uniform highp usampler2D uPoints; // place in units, and value
 uniform vec3 uOrigin;
 uniform float uUnit;
 uniform mat4 uClip;
-vec3 place(vec4 q) { return uOrigin + uUnit * q.xyz; }
+ivec2 texel(int point) { return ivec2(point & 2047, point >> 11); }
+vec3 place(int point) { return uOrigin + uUnit * vec3(texelFetch(uPoints, texel(point), 0).xyz); }
+float value(int point) { return float(texelFetch(uPoints, texel(point), 0).w) / 65535.; }
 `;
 
-const FIBER_IN = `
-layout(location = 0) in vec4 aBefore;
-layout(location = 1) in vec4 aFrom;
-layout(location = 2) in vec4 aTo;
-layout(location = 3) in vec4 aAfter;
-layout(location = 4) in float aRadiusFrom;
-layout(location = 5) in float aRadiusTo;
-layout(location = 6) in vec4 aColorFrom; // and in w: 1 for the first point of a strand, 2 the last
-layout(location = 7) in vec4 aColorTo;
-const vec4 NOWHERE = vec4(2., 2., 2., 1.);
-`;
-
-// A segment is a ribbon that faces the eye; neighbors share their edge.
-const fiber = {
-  vertex: `${HEAD}${PLACES}${FIBER_IN}
-uniform vec3 uEye;
-uniform float uPixel;
-uniform float uThickness;
-uniform float uThinnest;
-out vec3 vPlace, vTangent, vSide, vColor;
-out float vAcross, vValue, vCover;
-void main() {
-  if (aColorFrom.w >= 2.) { gl_Position = NOWHERE; return; }
-  bool end = gl_VertexID >= 2;
-  float across = (gl_VertexID & 1) == 0 ? -1. : 1.;
-  vec3 from = place(aFrom), to = place(aTo);
-  bool first = mod(aColorFrom.w, 2.) == 1., last = aColorTo.w >= 2.;
-  vec3 before = first ? from : place(aBefore), after = last ? to : place(aAfter);
-  vec3 here = end ? to : from;
-  vec3 along = end ? after - from : to - before;
-  vec3 tangent = normalize(dot(along, along) > 0. ? along : to - from + vec3(1e-12, 0., 0.));
-  vec3 look = uEye - here;
-  float far = length(look);
-  vec3 side = cross(tangent, look / far);
-  float long_ = length(side);
-  side = long_ > 1e-4 ? side / long_ : vec3(1., 0., 0.);
-  float pixel = far * uPixel, radius = (end ? aRadiusTo : aRadiusFrom) * uThickness;
-  float half_ = max(radius, uThinnest * pixel);
-  vCover = clamp(radius / half_, .45, 1.);
-  vPlace = here; vTangent = tangent; vSide = side; vAcross = across;
-  vColor = (end ? aColorTo : aColorFrom).rgb / 255.;
-  vValue = (end ? aTo.w : aFrom.w) / 65535.;
-  gl_Position = uClip * vec4(here + side * across * half_, 1.);
-}`,
-  fragment: `${HEAD}${COLORS}${LIGHT}
+// Light on a fibre with a tangent, as seen on the side with a normal.
+const SHADE = `
 uniform vec3 uEye;
 uniform float uRoundness;
-in vec3 vPlace, vTangent, vSide, vColor;
-in float vAcross, vValue, vCover;
-out vec4 oColor;
-void main() {
-  vec3 t = normalize(vTangent), v = normalize(uEye - vPlace);
-  vec3 side = normalize(vSide), up = normalize(cross(side, t));
-  up *= sign(dot(up, v) + 1e-9);
-  vec3 n = normalize(side * vAcross + up * sqrt(max(0., 1. - vAcross * vAcross)));
-  vec3 own = colored(vColor, vValue);
+vec3 shade(vec3 place, vec3 t, vec3 n, vec3 own) {
   vec3 color = own * own;
-  vec3 h = normalize(uLight + v);
+  vec3 h = normalize(uLight + normalize(uEye - place));
   float tl = dot(t, uLight), th = dot(t, h), shift = dot(t + .18 * n, h);
   float sine = sqrt(max(0., 1. - tl * tl)), facing = max(dot(n, uLight), 0.);
   float diffuse = mix(.85 * sine, facing, uRoundness);
   float shine = pow(max(0., sqrt(max(0., 1. - th * th))), 90.);
   float glow = pow(max(0., sqrt(max(0., 1. - shift * shift))), 24.);
-  float shadow = lit(vPlace);
+  float shadow = lit(place);
   float gloss = uColoring == 0 ? 1. : .35;
   vec3 sum = color * (.30 + .85 * diffuse * shadow)
-    + shadow * gloss * (.16 * shine * vec3(1.) + .55 * glow * color);
-  oColor = vec4(sqrt(sum), vCover);
+    + shadow * gloss * (.07 * shine * vec3(1.) + .9 * glow * color);
+  return sqrt(sum);
+}
+`;
+
+// A strand is a ribbon that faces the eye, with two vertices for each point.
+const RIBBON = `${PLACES}
+uniform highp usampler2D uColors; // and in w: 1 for the first point of a strand, 2 for the last
+uniform highp sampler2D uRadii;
+uniform float uPixel;
+uniform float uThickness;
+uniform float uThinnest;
+struct Vertex { vec3 place, tangent, side, color; float across, value; };
+Vertex ribbon(vec3 eye) {
+  int point = gl_VertexID >> 1;
+  float across = (gl_VertexID & 1) == 0 ? -1. : 1.;
+  uvec4 own = texelFetch(uColors, texel(point), 0);
+  vec3 here = place(point);
+  vec3 before = (own.w & 1u) != 0u ? here : place(point - 1);
+  vec3 after = (own.w & 2u) != 0u ? here : place(point + 1);
+  vec3 along = after - before;
+  vec3 tangent = dot(along, along) > 0. ? normalize(along) : vec3(0., 0., 1.);
+  vec3 look = eye - here;
+  float far = length(look);
+  vec3 side = cross(tangent, look / far);
+  float sine = length(side);
+  side = sine > 1e-4 ? side / sine : vec3(1., 0., 0.);
+  float radius = texelFetch(uRadii, texel(point), 0).r * uThickness;
+  float half_ = max(radius, uThinnest * far * uPixel);
+  gl_Position = uClip * vec4(here + side * across * half_, 1.);
+  return Vertex(here, tangent, side, vec3(own.rgb) / 255., across, value(point));
+}
+`;
+
+// Fibres that are seen from close by are lit at every pixel, as round.
+const fiber = {
+  vertex: `${HEAD}uniform vec3 uEye;${RIBBON}
+out vec3 vPlace, vTangent, vSide, vColor;
+out float vAcross, vValue;
+void main() {
+  Vertex v = ribbon(uEye);
+  vPlace = v.place; vTangent = v.tangent; vSide = v.side; vColor = v.color;
+  vAcross = v.across; vValue = v.value;
+}`,
+  fragment: `${HEAD}${COLORS}${LIGHT}${SHADE}
+in vec3 vPlace, vTangent, vSide, vColor;
+in float vAcross, vValue;
+out vec4 oColor;
+void main() {
+  vec3 t = normalize(vTangent), side = normalize(vSide), up = normalize(cross(side, t));
+  up *= sign(dot(up, uEye - vPlace) + 1e-9);
+  vec3 n = normalize(side * vAcross + up * sqrt(max(0., 1. - vAcross * vAcross)));
+  oColor = vec4(shade(vPlace, t, n, colored(vColor, vValue)), 1.);
 }`,
 };
 
-const fiberShadow = {
-  vertex: `${HEAD}${PLACES}${FIBER_IN}
+// Hair is about a pixel wide, and lit at its points.
+const hair = {
+  vertex: `${HEAD}${COLORS}${LIGHT}${SHADE}${RIBBON}
+out vec3 vColor;
 void main() {
-  vec4 clip = uClip * vec4(place(gl_VertexID == 0 ? aFrom : aTo), 1.);
-  gl_Position = aColorFrom.w >= 2. ? NOWHERE : clip;
+  Vertex v = ribbon(uEye);
+  vec3 up = normalize(cross(v.side, v.tangent));
+  up *= sign(dot(up, uEye - v.place) + 1e-9);
+  vec3 n = normalize(.5 * v.across * v.side + up);
+  vColor = shade(v.place, v.tangent, n, colored(v.color, v.value));
 }`,
+  fragment: `${HEAD}in vec3 vColor; out vec4 oColor; void main() { oColor = vec4(vColor, 1.); }`,
+};
+
+const fiberShadow = {
+  vertex: `${HEAD}${PLACES}
+void main() { gl_Position = uClip * vec4(place(gl_VertexID), 1.); }`,
   fragment: `${HEAD}out vec4 oColor; void main() { oColor = vec4(1.); }`,
 };
 
@@ -160,11 +175,10 @@ void main() {
 // Faces of nets and bodies, whose corners are points of strands.
 const cloth = {
   vertex: `${HEAD}${PLACES}
-layout(location = 1) in vec4 aFrom;
 out vec3 vPlace;
 out float vValue;
 void main() {
-  vPlace = place(aFrom); vValue = aFrom.w / 65535.;
+  vPlace = place(gl_VertexID); vValue = value(gl_VertexID);
   gl_Position = uClip * vec4(vPlace, 1.);
 }`,
   fragment: `${HEAD}${COLORS}${LIGHT}
@@ -205,4 +219,4 @@ void main() {
 }`,
 };
 
-export const programs = { fiber, fiberShadow, mesh, cloth, mark };
+export const programs = { fiber, fiberShadow, hair, mesh, cloth, mark };
