@@ -1,19 +1,9 @@
 //! Hands on what moves: nodes that are pulled at and moved while a world runs.
 
 use crate::scene::{Grip, Hold};
+use crate::stepper::NodePull;
 use crate::{SimError, World};
 use nalgebra::{Isometry3, Vector3};
-
-/// A force of a hand on a node during a step.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct NodePull {
-    /// The fibre, counted over all; 0 for what counts its nodes as a whole.
-    pub strand: usize,
-    /// The node.
-    pub node: usize,
-    /// Force, N, world.
-    pub force: Vector3<f64>,
-}
 
 impl World {
     /// Puts other hands in place of those before: they pull from the next step on.

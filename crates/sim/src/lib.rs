@@ -31,7 +31,6 @@ pub use estimate::{MemoryEstimate, MemoryShare};
 pub use file::read_text;
 pub use folder::{Existing, RunFolder, claim};
 pub use folder_lock::in_use;
-pub use hands::NodePull;
 pub use rapunzel_charging::{ChargeReport, ChargingError};
 pub use rapunzel_coupling::{
     ActiveContact, BodyRef, ContactReport, ContactTimes, ContactWork, CouplingError, EnergyLedger,
@@ -40,7 +39,7 @@ pub use rapunzel_coupling::{
 pub use rapunzel_scene::{self as scene, Plan, Scene};
 pub use run::{Cancel, Control, Progress, run};
 pub use shown::{Shown, ShownFrame, ShownStage};
-pub use stepper::{FiberStates, Scenery, Stepper};
+pub use stepper::{FiberStates, NodePull, Scenery, Stepper};
 pub use storage::write_atomically;
 pub use summary::{LeftOut, Outcome, Statistics, Summary};
 pub use world::{Snapshot, World};

@@ -1,5 +1,5 @@
+use crate::SimError;
 use crate::scene::Hold;
-use crate::{NodePull, SimError};
 use nalgebra::{Point3, Vector3};
 use rapunzel_charging::ChargedRods;
 use rapunzel_coupling::{EnergyLedger, FibersInContact, StepReport, Stopwatch, Surroundings};
@@ -179,4 +179,15 @@ pub struct Scenery {
     pub prims: Vec<Prim>,
     /// What holds strands, and when, s.
     pub supports: Vec<(Support, Range<f64>)>,
+}
+
+/// A force of a hand on a node during a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NodePull {
+    /// The fibre, counted over all; 0 for what counts its nodes as a whole.
+    pub strand: usize,
+    /// The node.
+    pub node: usize,
+    /// Force, N, world.
+    pub force: Vector3<f64>,
 }

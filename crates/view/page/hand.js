@@ -74,7 +74,8 @@ export class Hand {
     const before = this.pointers.get(event.pointerId);
     const [x, y] = this.at(event);
     if (!before) {
-      this.page.hover(event.pointerType === "mouse" && this.pick(x, y, NEAR.mouse) !== null);
+      const looks = event.pointerType === "mouse" && this.page.tool(event) !== "view";
+      this.page.hover(looks && this.pick(x, y, NEAR.mouse) !== null);
       return;
     }
     const [dx, dy] = [x - before.x, y - before.y];

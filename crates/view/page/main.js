@@ -225,7 +225,7 @@ const hand = new Hand(canvas, {
     }
     link.send({ do: "fix", ...address(point), fixed: !fixed });
   },
-  hover: (near) => (canvas.style.cursor = near && page.tool !== "view" ? "grab" : "default"),
+  hover: (near) => (canvas.style.cursor = near ? "grab" : "default"),
   fit: () => fit(),
   redraw,
 });
@@ -234,6 +234,7 @@ page.hand = hand;
 function fit() {
   if (!page.painter?.frame) return;
   const [low, high] = page.painter.box();
+  if (typeof page.about.ground === "number") low[2] = Math.min(low[2], page.about.ground);
   page.camera.fit(low, high, canvas.clientWidth / canvas.clientHeight);
   page.isFit = true;
   redraw();
@@ -277,6 +278,8 @@ function draw(now) {
     fixed: SUPPORT,
     held: HELD,
     hands: held,
+    ground: page.about.ground ?? null,
+    grid: dark() ? [0.24, 0.28, 0.34] : [0.76, 0.79, 0.83],
     density,
   });
   showRuler();

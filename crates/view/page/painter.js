@@ -286,6 +286,7 @@ export class Painter {
       put(dots, place, look.held);
       if (to) [place, to].forEach((end) => put(lines, end, look.held));
     }
+    if (look.ground !== null) this.grid(look.ground, (end) => put(lines, end, look.grid));
     this.use("mark", { uClip: common.uClip, uSize: (springs ? 11 : 7) * look.density });
     gl.bindVertexArray(this.marking);
     for (const [list, mode] of [[lines, gl.LINES], [dots, gl.POINTS]]) {
@@ -295,6 +296,19 @@ export class Painter {
       gl.drawArrays(mode, 0, list.length / 7);
     }
     gl.bindVertexArray(null);
+  }
+
+  // Ends of the lines of a level ground under all that is shown.
+  grid(height, put) {
+    const [low, high] = this.box();
+    const middle = scale(add(low, high), 0.5);
+    const half = Math.max(...sub(high, low));
+    for (let k = -5; k <= 5; k++) {
+      const at = (k / 5) * half;
+      for (const [x, y] of [[at, -half], [at, half], [-half, at], [half, at]]) {
+        put([middle[0] + x, middle[1] + y, height]);
+      }
+    }
   }
 
   // Depths as the light sees them. Light fades behind fibres, so that many look like a volume.

@@ -10,7 +10,7 @@ const WINDOW: Duration = Duration::from_secs(1);
 
 /// Simulated time as it should be.
 #[derive(Debug)]
-pub(crate) struct Pace {
+pub(crate) struct WallPace {
     /// Simulated seconds for each second.
     speed: f64,
     /// An instant, and the simulated time then, s; none while all stands still.
@@ -21,7 +21,7 @@ pub(crate) struct Pace {
     past: VecDeque<(Instant, f64)>,
 }
 
-impl Pace {
+impl WallPace {
     pub(crate) fn new() -> Self {
         Self { speed: 1.0, anchor: None, lost: 0.0, past: VecDeque::new() }
     }
@@ -96,7 +96,7 @@ mod tests {
     fn time_waits_for_the_clock_and_gives_up_what_it_cannot_follow() {
         let start = Instant::now();
         let after = |seconds: f64| start + Duration::from_secs_f64(seconds);
-        let mut pace = Pace::new();
+        let mut pace = WallPace::new();
         assert_eq!(pace.wait(start, 0.0), None);
         pace.set_speed(2.0, start, 0.0);
         pace.start(start, 0.0);
@@ -116,7 +116,7 @@ mod tests {
     #[test]
     fn speed_is_that_of_the_last_second() {
         let start = Instant::now();
-        let mut pace = Pace::new();
+        let mut pace = WallPace::new();
         pace.start(start, 0.0);
         let mut last = None;
         for tick in 0..40 {

@@ -3,9 +3,9 @@
 use crate::frame::Colors;
 use crate::hub::{Event, Hub};
 use crate::live::Live;
+use crate::options::Options;
 use crate::order::Order;
-use crate::server::Options;
-use crate::stage::Stage;
+use crate::stage::Showing;
 use crate::watch::Watch;
 use crate::{modes, state};
 use rapunzel_sim::SimError;
@@ -28,7 +28,7 @@ pub(crate) struct Driver {
     options: Options,
     hub: Arc<Hub>,
     events: Receiver<Event>,
-    stage: Stage,
+    stage: Showing,
     /// Name of the scene of the gallery that is shown.
     name: String,
     watch: Option<Watch>,
@@ -50,7 +50,7 @@ impl Driver {
             options,
             hub,
             events,
-            stage: Stage::Gallery,
+            stage: Showing::Gallery,
             name: String::new(),
             watch: None,
             colors: Colors::default(),
@@ -81,9 +81,9 @@ impl Driver {
         if let Some(path) = &self.options.what {
             self.hub.show(&json!({ "is": "about", "kind": "building" }).to_string(), None);
             self.watch = path.is_file().then(|| Watch::new(path));
-            self.stage = Stage::open(path);
+            self.stage = Showing::open(path);
         } else {
-            self.stage = Stage::Gallery;
+            self.stage = Showing::Gallery;
         }
         self.show();
     }
@@ -96,7 +96,7 @@ impl Driver {
         let Some(scene) = scene.scene() else { return };
         self.hub.show(&json!({ "is": "about", "kind": "building" }).to_string(), None);
         self.watch = None;
-        self.stage = Stage::build(scene, &self.options.folder);
+        self.stage = Showing::build(scene, &self.options.folder);
         name.clone_into(&mut self.name);
         self.show();
     }
@@ -119,7 +119,7 @@ impl Driver {
     fn title(&self) -> String {
         let path = self.options.what.as_ref().and_then(|path| path.file_name());
         match (&self.stage, path) {
-            (Stage::Gallery, _) => String::new(),
+            (Showing::Gallery, _) => String::new(),
             (_, Some(name)) if self.name.is_empty() => name.to_string_lossy().into_owned(),
             _ => self.name.clone(),
         }
@@ -144,7 +144,7 @@ impl Driver {
         }
         let values = std::mem::take(&mut self.values);
         if !values.is_empty()
-            && let Stage::Live(live) = &mut self.stage
+            && let Showing::Live(live) = &mut self.stage
             && let Err(error) = live.set(&values)
         {
             self.complain(&error);
@@ -156,12 +156,12 @@ impl Driver {
     fn wait(&mut self) -> Duration {
         let now = Instant::now();
         let wait = match &mut self.stage {
-            Stage::Live(live) => live.pace.wait(now, live.world.time()),
-            Stage::Recorded(recorded) => {
+            Showing::Live(live) => live.pace.wait(now, live.world.time()),
+            Showing::Recorded(recorded) => {
                 let time = recorded.now.frame.time;
                 recorded.pace.wait(now, time)
             }
-            Stage::Gallery | Stage::Broken(_) => None,
+            Showing::Gallery | Showing::Broken(_) => None,
         };
         let frame = if self.is_new[0] { FRAME } else { IDLE };
         wait.unwrap_or(frame).min(frame)
@@ -180,30 +180,30 @@ impl Driver {
             Order::Step => {
                 self.halt();
                 match &mut self.stage {
-                    Stage::Live(live) => live.step(),
-                    Stage::Recorded(recorded) => {
+                    Showing::Live(live) => live.step(),
+                    Showing::Recorded(recorded) => {
                         recorded.advance()?;
                     }
-                    Stage::Gallery | Stage::Broken(_) => {}
+                    Showing::Gallery | Showing::Broken(_) => {}
                 }
             }
             Order::Restart => {
                 self.colors.range = None;
                 match &mut self.stage {
-                    Stage::Live(live) => live.restart()?,
-                    Stage::Recorded(recorded) => recorded.seek(0)?,
-                    Stage::Gallery | Stage::Broken(_) => {}
+                    Showing::Live(live) => live.restart()?,
+                    Showing::Recorded(recorded) => recorded.seek(0)?,
+                    Showing::Gallery | Showing::Broken(_) => {}
                 }
                 self.relay();
             }
             Order::Speed { value } => {
                 let (value, now) = (value.clamp(SPEEDS.0, SPEEDS.1), Instant::now());
                 match &mut self.stage {
-                    Stage::Live(live) => live.pace.set_speed(value, now, live.world.time()),
-                    Stage::Recorded(recorded) => {
+                    Showing::Live(live) => live.pace.set_speed(value, now, live.world.time()),
+                    Showing::Recorded(recorded) => {
                         recorded.pace.set_speed(value, now, recorded.now.frame.time);
                     }
-                    Stage::Gallery | Stage::Broken(_) => {}
+                    Showing::Gallery | Showing::Broken(_) => {}
                 }
             }
             Order::Color { by } => {
@@ -213,14 +213,14 @@ impl Driver {
             Order::FitColors => self.colors.range = None,
             Order::Open { name } => self.open_named(&name),
             Order::Gallery => {
-                (self.stage, self.watch) = (Stage::Gallery, None);
+                (self.stage, self.watch) = (Showing::Gallery, None);
                 self.name.clear();
                 self.show();
             }
             Order::Mode => {
                 let next = modes::next(&self.options.gallery, &self.name);
                 if let Some(name) = next.map(|scene| scene.name.clone()) {
-                    let runs = matches!(&self.stage, Stage::Live(live) if live.pace.runs());
+                    let runs = matches!(&self.stage, Showing::Live(live) if live.pace.runs());
                     self.open_named(&name);
                     if runs {
                         self.go();
@@ -228,7 +228,7 @@ impl Driver {
                 }
             }
             Order::Seek { frame } => {
-                if let Stage::Recorded(recorded) = &mut self.stage {
+                if let Showing::Recorded(recorded) = &mut self.stage {
                     recorded.seek(frame)?;
                     recorded.pace.reset(Instant::now(), recorded.now.frame.time);
                 }
@@ -245,7 +245,7 @@ impl Driver {
 
     /// What hands do to a scene.
     fn lay_hands(&mut self, order: Order) -> Result<(), SimError> {
-        let Stage::Live(live) = &mut self.stage else { return Ok(()) };
+        let Showing::Live(live) = &mut self.stage else { return Ok(()) };
         match order {
             Order::Take { strand, point, to } => live.take((strand, point), to),
             Order::Move { to } => {
@@ -266,7 +266,7 @@ impl Driver {
     }
 
     fn save(&mut self) -> Result<(), SimError> {
-        let Stage::Live(live) = &mut self.stage else { return Ok(()) };
+        let Showing::Live(live) = &mut self.stage else { return Ok(()) };
         let path = self.options.what.as_ref().filter(|_| self.name.is_empty());
         let (folder, stem) =
             (path.and_then(|path| path.parent()), path.and_then(|p| p.file_stem()));
@@ -282,24 +282,26 @@ impl Driver {
     fn go(&mut self) {
         let now = Instant::now();
         match &mut self.stage {
-            Stage::Live(live) if live.failure.is_none() => live.pace.start(now, live.world.time()),
-            Stage::Recorded(recorded) => recorded.pace.start(now, recorded.now.frame.time),
+            Showing::Live(live) if live.failure.is_none() => {
+                live.pace.start(now, live.world.time())
+            }
+            Showing::Recorded(recorded) => recorded.pace.start(now, recorded.now.frame.time),
             _ => {}
         }
     }
 
     fn halt(&mut self) {
         match &mut self.stage {
-            Stage::Live(live) => live.pace.stop(),
-            Stage::Recorded(recorded) => recorded.pace.stop(),
-            Stage::Gallery | Stage::Broken(_) => {}
+            Showing::Live(live) => live.pace.stop(),
+            Showing::Recorded(recorded) => recorded.pace.stop(),
+            Showing::Gallery | Showing::Broken(_) => {}
         }
     }
 
     /// Looks whether files have changed.
     fn look(&mut self) {
         let now = Instant::now();
-        if let Stage::Recorded(recorded) = &mut self.stage
+        if let Showing::Recorded(recorded) = &mut self.stage
             && recorded.look(now)
         {
             self.is_new[1] = true;
@@ -314,8 +316,8 @@ impl Driver {
         let begin = Instant::now();
         loop {
             let moved = match &mut self.stage {
-                Stage::Live(live) => step(live),
-                Stage::Recorded(recorded) => {
+                Showing::Live(live) => step(live),
+                Showing::Recorded(recorded) => {
                     let wait = recorded.pace.wait(Instant::now(), recorded.now.frame.time);
                     wait == Some(Duration::ZERO)
                         && recorded.advance().unwrap_or_else(|error| {
@@ -323,7 +325,7 @@ impl Driver {
                             false
                         })
                 }
-                Stage::Gallery | Stage::Broken(_) => false,
+                Showing::Gallery | Showing::Broken(_) => false,
             };
             if !moved {
                 return;

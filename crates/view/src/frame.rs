@@ -7,7 +7,7 @@ use rapunzel_studio::{ColorRange, Coloring};
 /// The first bytes of a frame.
 const MARK: &[u8; 4] = b"RPF1";
 /// The largest number of 16 bits.
-const MOST: f64 = 65_535.0;
+const MOST_UNITS: f64 = 65_535.0;
 /// Positions farther from the origin than this, m, are not shown where they are.
 const FARTHEST: f64 = 1e9;
 
@@ -67,7 +67,7 @@ pub(crate) fn frame(
         }
         let value = values.get(k).copied().unwrap_or(0.0);
         let place = if width > 0.0 { (value - range.low) / width } else { 0.0 };
-        bytes.extend(sixteen(place * MOST).to_le_bytes());
+        bytes.extend(sixteen(place * MOST_UNITS).to_le_bytes());
     }
     for pose in poses {
         let (place, turn) = (pose.translation.vector, pose.rotation.coords);
@@ -98,13 +98,13 @@ fn bounds(points: &[Point3<f64>]) -> (Point3<f64>, f64) {
     let first = points.first().copied().unwrap_or_else(Point3::origin);
     let (low, high) =
         points.iter().fold((first, first), |(low, high), point| (low.inf(point), high.sup(point)));
-    (low, ((high - low).max() / MOST).max(1e-12))
+    (low, ((high - low).max() / MOST_UNITS).max(1e-12))
 }
 
 /// The nearest number of 16 bits.
 pub(crate) fn sixteen(x: f64) -> u16 {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
-    let number = x.round().clamp(0.0, MOST) as u16;
+    let number = x.round().clamp(0.0, MOST_UNITS) as u16;
     number
 }
 
@@ -157,7 +157,7 @@ mod tests {
         assert_eq!(&bytes[..4], MARK);
         assert_eq!(bytes.len(), 80 + 8 * 50 + 28);
         let (origin, unit) = ([24, 32, 40].map(|at| number(&bytes, at)), number(&bytes, 48));
-        assert!((unit * MOST - 0.07 * 49.0).abs() < 1e-12);
+        assert!((unit * MOST_UNITS - 0.07 * 49.0).abs() < 1e-12);
         assert_eq!((number(&bytes, 56), number(&bytes, 64)), (0.0, 49.0));
         for (k, point) in points.iter().enumerate() {
             for axis in 0..3 {

@@ -23,14 +23,14 @@ impl GalleryScene {
     }
 }
 
-/// Pictures of the scenes at their start, each drawn when it is first asked for.
+/// GalleryPictures of the scenes at their start, each drawn when it is first asked for.
 #[derive(Debug)]
-pub(crate) struct Pictures {
+pub(crate) struct GalleryPictures {
     scenes: Vec<GalleryScene>,
     drawn: Mutex<BTreeMap<String, Arc<[u8]>>>,
 }
 
-impl Pictures {
+impl GalleryPictures {
     pub(crate) fn new(scenes: Vec<GalleryScene>) -> Self {
         Self { scenes, drawn: Mutex::default() }
     }

@@ -15,7 +15,7 @@ pub(crate) struct Gate {
 
 /// What a request that may come in is told.
 #[derive(Debug, PartialEq, Eq)]
-pub(crate) enum Entry {
+pub(crate) enum Admission {
     /// It comes in.
     Plain,
     /// It brought the token in its address, which a cookie keeps from now on.
@@ -40,7 +40,7 @@ impl Gate {
     /// A page of another site can send requests here, and by a name that its owner points to this
     /// machine also read the answers: so host and origin must be those of this server. By a token a
     /// machine may be asked for by any name, as whoever has it has been told it by the user.
-    pub(crate) fn admit(&self, request: &Request) -> Result<Entry, Refusal> {
+    pub(crate) fn admit(&self, request: &Request) -> Result<Admission, Refusal> {
         let host = request.host.as_deref().ok_or(Refusal::Forbidden)?;
         if self.token.is_none() && !self.is_own(host) {
             return Err(Refusal::Forbidden);
@@ -50,15 +50,15 @@ impl Gate {
         if foreign || (request.socket_key.is_some() && request.origin.is_none()) {
             return Err(Refusal::Forbidden);
         }
-        let Some(token) = &self.token else { return Ok(Entry::Plain) };
+        let Some(token) = &self.token else { return Ok(Admission::Plain) };
         let cookies = request.cookie.as_deref().unwrap_or_default().split(';');
         if cookies.filter_map(|c| c.trim().strip_prefix(COOKIE)).any(|c| is(c, token)) {
-            return Ok(Entry::Plain);
+            return Ok(Admission::Plain);
         }
         let brought = request.query.split('&').filter_map(|pair| pair.strip_prefix("token"));
         if brought.into_iter().any(|t| is(t, token)) {
             let cookie = format!("{COOKIE}={token}; HttpOnly; SameSite=Strict; Path=/");
-            return Ok(Entry::WithCookie(cookie));
+            return Ok(Admission::WithCookie(cookie));
         }
         Err(Refusal::Forbidden)
     }
@@ -94,9 +94,9 @@ mod tests {
     #[test]
     fn only_this_host_and_its_own_pages_come_in() {
         let gate = Gate::new("127.0.0.1:4000".parse().expect("an address"), None);
-        assert_eq!(gate.admit(&request("127.0.0.1:4000", None)), Ok(Entry::Plain));
+        assert_eq!(gate.admit(&request("127.0.0.1:4000", None)), Ok(Admission::Plain));
         let own = request("localhost:4000", Some("http://localhost:4000"));
-        assert_eq!(gate.admit(&own), Ok(Entry::Plain));
+        assert_eq!(gate.admit(&own), Ok(Admission::Plain));
         for (host, origin) in [
             ("evil.example:4000", None),
             ("127.0.0.1:4001", None),
@@ -119,7 +119,7 @@ mod tests {
         socket.socket_key = Some("key".into());
         assert_eq!(gate.admit(&socket), Err(Refusal::Forbidden));
         socket.origin = Some("http://127.0.0.1:4000".into());
-        assert_eq!(gate.admit(&socket), Ok(Entry::Plain));
+        assert_eq!(gate.admit(&socket), Ok(Admission::Plain));
     }
 
     #[test]
@@ -133,9 +133,11 @@ mod tests {
             assert_eq!(gate.admit(&asks), Err(Refusal::Forbidden), "{wrong}");
         }
         asks.query = "token=abc".into();
-        let Ok(Entry::WithCookie(cookie)) = gate.admit(&asks) else { panic!("it has the token") };
+        let Ok(Admission::WithCookie(cookie)) = gate.admit(&asks) else {
+            panic!("it has the token")
+        };
         asks.query.clear();
         asks.cookie = cookie.split(';').next().map(str::to_owned);
-        assert_eq!(gate.admit(&asks), Ok(Entry::Plain));
+        assert_eq!(gate.admit(&asks), Ok(Admission::Plain));
     }
 }

@@ -24,11 +24,11 @@ pub(crate) struct Hand {
     /// The node, as the world counts.
     pub(crate) node: usize,
     to: [f64; 3],
-    how: Way,
+    how: Grasp,
 }
 
 #[derive(Debug)]
-enum Way {
+enum Grasp {
     /// By the last of the scene's hands.
     Pulls { is_new: bool },
     /// A fixed node is carried; the last of the scene's holds ends at this time, s.
@@ -48,7 +48,7 @@ impl Hand {
         // Springs count their nodes as a whole.
         let strand = if scene.mass_spring.is_some() { 0 } else { strand };
         if world.stepper().is_held(node) {
-            return Some(Self { strand, node, to, how: Way::Carries { until: 0.0 } });
+            return Some(Self { strand, node, to, how: Grasp::Carries { until: 0.0 } });
         }
         let (mass, most) = match &scene.mass_spring {
             Some(springs) => {
@@ -70,14 +70,14 @@ impl Hand {
             path: Vec::new(),
             until: None,
         });
-        Some(Self { strand, node, to, how: Way::Pulls { is_new: true } })
+        Some(Self { strand, node, to, how: Grasp::Pulls { is_new: true } })
     }
 
     /// Moves the hand.
     pub(crate) fn lead(&mut self, to: [f64; 3]) {
         if to != self.to {
             self.to = to;
-            if let Way::Pulls { is_new } = &mut self.how {
+            if let Grasp::Pulls { is_new } = &mut self.how {
                 *is_new = true;
             }
         }
@@ -92,7 +92,7 @@ impl Hand {
     ) -> Result<(), SimError> {
         let time = world.time();
         match &mut self.how {
-            Way::Pulls { is_new } => {
+            Grasp::Pulls { is_new } => {
                 if std::mem::take(is_new)
                     && let Some(grip) = scene.grips.last_mut()
                 {
@@ -103,7 +103,7 @@ impl Hand {
                 }
                 Ok(())
             }
-            Way::Carries { until } => {
+            Grasp::Carries { until } => {
                 if time < *until {
                     return Ok(());
                 }
@@ -124,7 +124,7 @@ impl Hand {
     /// Lets go.
     pub(crate) fn let_go(self, scene: &mut Scene, world: &mut World) -> Result<(), SimError> {
         match self.how {
-            Way::Pulls { .. } => {
+            Grasp::Pulls { .. } => {
                 let time = world.time();
                 if let Some(grip) = scene.grips.last_mut() {
                     grip.until = Some(time);
@@ -132,11 +132,11 @@ impl Hand {
                 scene.grips.retain(|grip| !grip.path.is_empty());
                 world.set_grips(scene.grips.clone())
             }
-            Way::Carries { until } if until > world.time() => {
+            Grasp::Carries { until } if until > world.time() => {
                 let time = world.time();
                 hold(scene, world, self.node, (time, time), [0.0; 3], false)
             }
-            Way::Carries { .. } => Ok(()),
+            Grasp::Carries { .. } => Ok(()),
         }
     }
 }

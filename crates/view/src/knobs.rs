@@ -275,13 +275,16 @@ mod tests {
         let hair = scene(
             "fibers: [(
                 length: 0.1, segments: 10, damping_time: 1e-3,
-                material: Keratin(kind: WestEuropean),
+                material: Keratin(type: \"West European\"),
             )],
             contact: (friction: Isotropic(0.3)), environment: (viscosity: 1.8e-5)",
         );
         let mut seen = 0;
         for mut scene in [rope(), hair] {
-            for knob in KNOBS.iter().filter(|knob| (knob.read)(&scene.clone()).is_some()) {
+            for knob in KNOBS {
+                if (knob.read)(&scene).is_none() {
+                    continue;
+                }
                 let middle = (0.5 * (knob.low + knob.high)).round().max(knob.low);
                 let middle = middle.min(knob.high);
                 knob.set(&mut scene, middle);

@@ -15,6 +15,7 @@ mod layout;
 mod live;
 mod mailbox;
 mod modes;
+mod options;
 mod order;
 mod recorded;
 mod request;
@@ -27,4 +28,5 @@ mod watch;
 
 pub use error::ViewError;
 pub use gallery::GalleryScene;
-pub use server::{Options, Server};
+pub use options::Options;
+pub use server::Server;

@@ -1,6 +1,6 @@
 //! A scene that runs.
 
-use crate::clock::Pace;
+use crate::clock::WallPace;
 use crate::frame::{Colors, FrameHead, frame};
 use crate::hands::{self, Hand};
 use crate::knobs::Knob;
@@ -24,7 +24,7 @@ pub(crate) struct Live {
     pub(crate) world: World,
     pub(crate) plan: Plan,
     start: Snapshot,
-    pub(crate) pace: Pace,
+    pub(crate) pace: WallPace,
     /// Of the last step.
     pub(crate) report: StepReport,
     pub(crate) step_time: Duration,
@@ -46,7 +46,7 @@ impl Live {
             start: world.snapshot(),
             world,
             scene,
-            pace: Pace::new(),
+            pace: WallPace::new(),
             report: StepReport::default(),
             step_time: Duration::ZERO,
             failure: None,

@@ -3,7 +3,7 @@
 use serde::Deserialize;
 
 /// Farthest place of a hand from the origin, m.
-const FARTHEST: f64 = 1e6;
+const FARTHEST_HAND: f64 = 1e6;
 
 /// What a page asks for, as JSON.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -58,7 +58,7 @@ impl Order {
             Self::Speed { value } | Self::Set { value, .. } => std::slice::from_ref(value),
             _ => &[],
         };
-        places.iter().all(|x| x.abs() <= FARTHEST).then_some(order)
+        places.iter().all(|x| x.abs() <= FARTHEST_HAND).then_some(order)
     }
 }
 

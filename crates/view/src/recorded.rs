@@ -1,6 +1,6 @@
 //! A run that was recorded, or is still being written; or something of which there is one frame.
 
-use crate::clock::Pace;
+use crate::clock::WallPace;
 use crate::frame::{Colors, FrameHead, frame};
 use crate::layout::{Parts, layout};
 use nalgebra::Isometry3;
@@ -17,7 +17,7 @@ pub(crate) struct Recorded {
     shown: Shown,
     pub(crate) index: usize,
     pub(crate) now: ShownFrame,
-    pub(crate) pace: Pace,
+    pub(crate) pace: WallPace,
     looked: Instant,
 }
 
@@ -26,7 +26,7 @@ impl Recorded {
     pub(crate) fn open(path: &Path) -> Result<Self, SimError> {
         let shown = Shown::open(path, &|_| ())?;
         let (now, looked) = (shown.frame(0)?, Instant::now());
-        Ok(Self { path: path.to_owned(), shown, index: 0, now, pace: Pace::new(), looked })
+        Ok(Self { path: path.to_owned(), shown, index: 0, now, pace: WallPace::new(), looked })
     }
 
     /// Number of frames.

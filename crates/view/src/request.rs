@@ -4,7 +4,7 @@ use std::io::{self, Read};
 use std::time::{Duration, Instant};
 
 /// Largest head of a request, bytes.
-const LARGEST: usize = 16 * 1024;
+const LARGEST_HEAD: usize = 16 * 1024;
 /// Most headers of a request.
 const MOST_HEADERS: usize = 64;
 /// The longest that a head may take to arrive.
@@ -58,7 +58,7 @@ impl Request {
             if let Some(request) = Self::parse(&head)? {
                 return Ok(request);
             }
-            if head.len() > LARGEST {
+            if head.len() > LARGEST_HEAD {
                 return Err(Refusal::TooLarge);
             }
             if begin.elapsed() > PATIENCE {
@@ -132,7 +132,7 @@ mod tests {
     fn what_is_no_head_is_refused() {
         assert_eq!(read("\x16\x03\x01\x02 garbage\r\n\r\n"), Err(Refusal::Malformed));
         assert_eq!(read("GET / HTTP/1.1\r\nHost: a"), Err(Refusal::Malformed));
-        let long = format!("GET / HTTP/1.1\r\nA: {}", "a".repeat(LARGEST));
+        let long = format!("GET / HTTP/1.1\r\nA: {}", "a".repeat(LARGEST_HEAD));
         assert_eq!(read(&long), Err(Refusal::TooLarge));
         let many = format!("GET / HTTP/1.1\r\n{}\r\n", "A: a\r\n".repeat(MOST_HEADERS + 1));
         assert_eq!(read(&many), Err(Refusal::TooLarge));

@@ -1,11 +1,10 @@
 use crate::driver::Driver;
-use crate::gallery::GalleryScene;
-use crate::gate::{Entry, Gate};
+use crate::gate::{Admission, Gate};
 use crate::hub::Hub;
+use crate::options::Options;
 use crate::request::{PATIENCE, Refusal, Request};
 use crate::{ViewError, answer, assets, gallery, socket};
-use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener, TcpStream};
-use std::path::PathBuf;
+use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, mpsc};
 use std::time::{Duration, Instant};
@@ -16,35 +15,9 @@ const MOST_CONNECTIONS: usize = 512;
 /// Events of pages that wait at most.
 const MOST_EVENTS: usize = 256;
 /// How often is looked whether the server is to end.
-const LOOK: Duration = Duration::from_millis(20);
+const ASK: Duration = Duration::from_millis(20);
 /// How long the threads of the server are waited for in the end.
 const FAREWELL: Duration = Duration::from_millis(500);
-
-/// What is shown, and to whom.
-#[derive(Debug, Clone)]
-pub struct Options {
-    /// Where to listen.
-    pub address: SocketAddr,
-    /// What pages must bring; needed for an address that other machines can reach.
-    pub token: Option<String>,
-    /// A scene, a run, a style or a file of strands; the gallery without one.
-    pub what: Option<PathBuf>,
-    /// The scenes of the gallery.
-    pub gallery: Vec<GalleryScene>,
-    /// Where scenes of the gallery that were changed are saved.
-    pub folder: PathBuf,
-    /// Whether what is shown runs from the start, without a page that asks for it.
-    pub runs: bool,
-}
-
-impl Options {
-    /// The gallery, on a free port of this machine, whose changed scenes are saved in `folder`.
-    #[must_use]
-    pub fn local(folder: PathBuf) -> Self {
-        let address = SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), 0);
-        Self { address, token: None, what: None, gallery: Vec::new(), folder, runs: false }
-    }
-}
 
 /// A server that listens.
 #[derive(Debug)]
@@ -92,7 +65,7 @@ impl Server {
         let hub = Arc::new(Hub::new(events));
         let door = Arc::new(Door {
             gate: Gate::new(address, options.token.clone()),
-            pictures: gallery::Pictures::new(options.gallery.clone()),
+            pictures: gallery::GalleryPictures::new(options.gallery.clone()),
             hub: Arc::clone(&hub),
             connections: AtomicUsize::new(0),
         });
@@ -103,7 +76,7 @@ impl Server {
         let accepting = named("server").spawn(move || open.accept(&listener));
         let accepting = accepting.map_err(ViewError::Thread)?;
         while !stop() {
-            thread::sleep(LOOK);
+            thread::sleep(ASK);
         }
         hub.end();
         // Whoever waits for a connection gets a last one.
@@ -114,7 +87,7 @@ impl Server {
             threads || door.connections.load(Ordering::Relaxed) > 0
         };
         while busy() && begin.elapsed() < FAREWELL {
-            thread::sleep(LOOK);
+            thread::sleep(ASK);
         }
         Ok(())
     }
@@ -124,7 +97,7 @@ impl Server {
 #[derive(Debug)]
 struct Door {
     gate: Gate,
-    pictures: gallery::Pictures,
+    pictures: gallery::GalleryPictures,
     hub: Arc<Hub>,
     connections: AtomicUsize,
 }
@@ -137,7 +110,7 @@ impl Door {
             }
             let Ok(stream) = stream else {
                 // Too many files are open, say: they will be fewer.
-                thread::sleep(LOOK);
+                thread::sleep(ASK);
                 continue;
             };
             let door = Arc::clone(&self);
@@ -180,8 +153,8 @@ impl Door {
             _ => return answer::refuse(&mut stream, Refusal::Method),
         };
         let cookie = match &entry {
-            Entry::Plain => None,
-            Entry::WithCookie(cookie) => Some(cookie.as_str()),
+            Admission::Plain => None,
+            Admission::WithCookie(cookie) => Some(cookie.as_str()),
         };
         if let Some(asset) = assets::asset(&request.path) {
             return answer::give(&mut stream, asset, cookie, with_body);

@@ -12,7 +12,7 @@ use tungstenite::protocol::{Role, WebSocketConfig};
 use tungstenite::{Message, Utf8Bytes, WebSocket};
 
 /// Largest message of a page, bytes.
-const LARGEST: usize = 16 * 1024;
+const LARGEST_MESSAGE: usize = 16 * 1024;
 /// Without anything to say for so long, a page is asked whether it is there.
 const QUIET: Duration = Duration::from_secs(5);
 /// A page that says nothing for so long, not even that it is there, is dropped.
@@ -26,9 +26,9 @@ const MOST_PAGES: usize = 200;
 pub(crate) fn serve(stream: TcpStream, hub: &Hub) {
     let Ok(shared) = SharedStream::new(stream, SILENCE, STUCK) else { return };
     let config = WebSocketConfig::default()
-        .max_message_size(Some(LARGEST))
-        .max_frame_size(Some(LARGEST))
-        .read_buffer_size(LARGEST)
+        .max_message_size(Some(LARGEST_MESSAGE))
+        .max_frame_size(Some(LARGEST_MESSAGE))
+        .read_buffer_size(LARGEST_MESSAGE)
         // Every message goes out as one piece, so that those of both threads do not mix.
         .write_buffer_size(0);
     let Some((page, mailbox)) = hub.join(MOST_PAGES) else { return };

@@ -9,7 +9,7 @@ use rapunzel_sim::{Scene, SimError, read_text};
 use std::path::Path;
 
 /// What is shown.
-pub(crate) enum Stage {
+pub(crate) enum Showing {
     /// The gallery, and nothing else yet.
     Gallery,
     Live(Box<Live>),
@@ -26,7 +26,7 @@ pub(crate) struct Broken {
     pub(crate) problems: Vec<SceneProblem>,
 }
 
-impl Stage {
+impl Showing {
     /// Opens a scene, a run, a style or strands.
     pub(crate) fn open(path: &Path) -> Self {
         let opened = if is_text(path) { open_text(path) } else { open_recorded(path) };
@@ -74,17 +74,17 @@ fn is_text(path: &Path) -> bool {
 }
 
 /// A scene runs; a style is shown as it has grown.
-fn open_text(path: &Path) -> Result<Stage, SimError> {
+fn open_text(path: &Path) -> Result<Showing, SimError> {
     let text = read_text(path)?;
     let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let folder = whole.parent().unwrap_or(Path::new("."));
     match Scene::from_ron(&text) {
-        Ok(scene) => Ok(Stage::Live(Box::new(Live::new(scene, folder)?))),
+        Ok(scene) => Ok(Showing::Live(Box::new(Live::new(scene, folder)?))),
         Err(_) if style_from_ron(&text).is_ok() => open_recorded(path),
         Err(error) => Err(error.into()),
     }
 }
 
-fn open_recorded(path: &Path) -> Result<Stage, SimError> {
-    Ok(Stage::Recorded(Box::new(Recorded::open(path)?)))
+fn open_recorded(path: &Path) -> Result<Showing, SimError> {
+    Ok(Showing::Recorded(Box::new(Recorded::open(path)?)))
 }

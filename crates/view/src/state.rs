@@ -6,17 +6,17 @@ use crate::knobs::KNOBS;
 use crate::live::Live;
 use crate::modes::{self, Kind};
 use crate::recorded::Recorded;
-use crate::stage::{Broken, Stage};
+use crate::stage::{Broken, Showing};
 use rapunzel_scene::{Scene, Wind};
 use serde_json::{Value, json};
 use std::time::Instant;
 
 /// What is shown, as JSON: its title, what it is, its sliders, or the gallery.
-pub(crate) fn about(stage: &Stage, title: &str, gallery: &[GalleryScene], name: &str) -> String {
+pub(crate) fn about(stage: &Showing, title: &str, gallery: &[GalleryScene], name: &str) -> String {
     let mut about = json!({ "is": "about", "title": title, "has_gallery": !gallery.is_empty() });
     let more = match stage {
-        Stage::Gallery => json!({ "kind": "gallery", "scenes": scenes(gallery) }),
-        Stage::Live(live) => json!({
+        Showing::Gallery => json!({ "kind": "gallery", "scenes": scenes(gallery) }),
+        Showing::Live(live) => json!({
             "kind": "live",
             "scene": live.scene.name,
             "duration": live.scene.duration,
@@ -26,12 +26,14 @@ pub(crate) fn about(stage: &Stage, title: &str, gallery: &[GalleryScene], name: 
             "can_pull": live.scene.charging.is_none(),
             "can_hold": live.scene.mass_spring.is_some(),
             "has_contacts": live.scene.contact.is_some(),
+            "ground": live.scene.mass_spring.as_ref()
+                .and_then(|springs| springs.contacts.as_ref()?.ground),
             "has_charge": live.scene.charging.is_some(),
             "notes": live.world.notes(),
             "warning": live.world.warning(live.plan.dt),
         }),
-        Stage::Recorded(recorded) => json!({ "kind": "recorded", "frames": recorded.count() }),
-        Stage::Broken(Broken { message, problems }) => {
+        Showing::Recorded(recorded) => json!({ "kind": "recorded", "frames": recorded.count() }),
+        Showing::Broken(Broken { message, problems }) => {
             let problems: Vec<_> = problems
                 .iter()
                 .map(|problem| {
@@ -52,12 +54,12 @@ pub(crate) fn about(stage: &Stage, title: &str, gallery: &[GalleryScene], name: 
 }
 
 /// How what is shown stands, as JSON.
-pub(crate) fn state(stage: &mut Stage, colors: &Colors, pages: usize, now: Instant) -> String {
+pub(crate) fn state(stage: &mut Showing, colors: &Colors, pages: usize, now: Instant) -> String {
     let mut state = json!({ "is": "state", "pages": pages, "colored": colors.by.is_some() });
     let more = match stage {
-        Stage::Live(live) => live_state(live, now),
-        Stage::Recorded(recorded) => recorded_state(recorded, now),
-        Stage::Gallery | Stage::Broken(_) => json!({}),
+        Showing::Live(live) => live_state(live, now),
+        Showing::Recorded(recorded) => recorded_state(recorded, now),
+        Showing::Gallery | Showing::Broken(_) => json!({}),
     };
     merge(&mut state, more);
     state.to_string()

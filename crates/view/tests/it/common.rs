@@ -119,7 +119,9 @@ impl Client {
 
     /// The next text, having drawn all frames before it.
     pub(crate) fn text(&mut self) -> Option<Value> {
+        let begin = Instant::now();
         loop {
+            assert!(begin.elapsed() < PATIENCE, "the server says nothing");
             match self.socket.read().ok()? {
                 Message::Text(text) => return serde_json::from_str(&text).ok(),
                 Message::Binary(bytes) if bytes.starts_with(b"RPF1") => {
@@ -148,7 +150,7 @@ impl Client {
     /// Waits for a scene that is named so.
     pub(crate) fn open(&mut self, name: &str) -> Value {
         self.order(&format!(r#"{{"do":"open","name":"{name}"}}"#));
-        self.wait("about", |about| about["kind"] == "live")
+        self.wait("about", |about| about["kind"] == "live" && about["title"] == name)
     }
 
     /// Position of a point of the last frame, m, and to what it is right.

@@ -1,4 +1,4 @@
-use crate::common::{HAIRS, ROPE, Served};
+use crate::common::{Client, HAIRS, ROPE, Served};
 use rapunzel_sim::{Plan, Scene, World};
 use rapunzel_view::Options;
 use serde_json::Value;
@@ -31,7 +31,7 @@ fn pulled_and_replayed(text: &str, (strand, point): (usize, usize), places: &[[f
     let mut page = served.page();
     page.wait("about", |about| about["kind"] == "live");
     let mut steps = 0;
-    let mut order = |page: &mut crate::common::Client, order: String| page.order(&order);
+    let order = |page: &mut Client, order: String| page.order(&order);
     for (k, to) in places.iter().enumerate() {
         let hand = if k == 0 {
             format!(r#"{{"do":"take","strand":{strand},"point":{point},"to":{to:?}}}"#)
