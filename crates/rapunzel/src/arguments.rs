@@ -213,11 +213,11 @@ pub(crate) struct RenderOptions {
 
 #[derive(Debug, Args)]
 pub(crate) struct ViewOptions {
-    /// A scene or a style (RON), the folder of a run or of a grown style, or a file of strands or of
-    /// a frame [default: a gallery of the scenes that ship].
+    /// A scene or a style (RON), the folder of a run or of a grown style, or a file of strands or
+    /// of a frame [default: a gallery of the scenes that ship].
     pub(crate) what: Option<PathBuf>,
-    /// The address and port to listen at, 0 for any port that is free. At one that other machines
-    /// reach, pages must bring a token, which is in the address that is printed.
+    /// The address and port to listen at, 0 for any free port. Where other machines reach it, pages
+    /// must bring a token, which is in the address that is printed.
     #[arg(long, value_name = "ADDRESS", default_value = "127.0.0.1:0")]
     pub(crate) listen: SocketAddr,
     /// Let the scene run from the start.

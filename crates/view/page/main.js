@@ -158,6 +158,8 @@ function showState(state) {
     showValues(state.values ?? {});
   }
   showWind(state.wind);
+  showLegend();
+  redraw();
   if (state.failure && page.failure !== state.failure) {
     say(word("failed", { message: state.failure }), true);
   } else if (!state.failure && page.failure) {
@@ -168,7 +170,7 @@ function showState(state) {
 
 function showLegend() {
   const color = $("color").value;
-  const { low, high } = page.painter.frame;
+  const { low, high } = page.painter?.frame ?? { low: 0, high: 0 };
   $("legend").hidden = color === "own" || color === "fiber" || !page.state.colored;
   $("legend-title").textContent = colorName(color);
   $("legend-low").textContent = quantity(low, UNITS[color]);

@@ -1,4 +1,4 @@
-//! What does not change from frame to frame: strands, their thickness and colors, surfaces, objects.
+//! What does not change from frame to frame: strands with their thickness and colors, surfaces.
 
 use crate::frame::{count, single, sixteen};
 use rapunzel_export::Strand;

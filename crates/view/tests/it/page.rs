@@ -152,8 +152,12 @@ fn a_node_follows_the_mouse_and_a_finger_and_lets_go() {
             browser.mouse("mouseReleased", x + 120.0, y);
         }
         browser.wait("!rapunzel.state.holds");
+        browser.value("document.getElementById('run').click()");
+        browser.wait("!rapunzel.state.runs");
         browser.value("document.getElementById('restart').click()");
-        browser.wait("rapunzel.state.time < 0.3");
+        browser.wait("rapunzel.state.steps === 0");
+        browser.value("document.getElementById('run').click()");
+        browser.wait("rapunzel.state.steps > 0");
     }
     assert_eq!(browser.errors, Vec::<String>::new());
 }
