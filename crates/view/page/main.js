@@ -310,7 +310,7 @@ function setTheme(name) {
 
 function relabel() {
   setLanguage(languageNow());
-  $("language").textContent = word("language").slice(0, 2).toUpperCase();
+  $("language").textContent = word("language").slice(0, 2);
   const keys = Object.entries(word("keys")).flatMap(([key, what]) => {
     const [term, detail] = [document.createElement("dt"), document.createElement("dd")];
     [term.textContent, detail.textContent] = [key, what];

@@ -2,7 +2,7 @@
 
 const WORDS = {
   en: {
-    gallery: "Gallery", language: "Deutsch", theme: "Dark or light", help: "Keys and hands",
+    gallery: "Gallery", language: "DE – Deutsch", theme: "Dark or light", help: "Keys and hands",
     panel: "Show or hide the panel", picture: "Picture: drag to turn, arrow keys too",
     readings: "Numbers", plots: "Plots", looks: "Looks", knobs: "Sliders", notes: "Notes",
     freeze: "Freeze", colorBy: "Colors", thickness: "Thickness ×", shadows: "Shadows",
@@ -44,7 +44,7 @@ const WORDS = {
     },
   },
   de: {
-    gallery: "Galerie", language: "English", theme: "Dunkel oder hell", help: "Tasten und Hände",
+    gallery: "Galerie", language: "EN – English", theme: "Dunkel oder hell", help: "Tasten und Hände",
     panel: "Leiste zeigen oder verbergen", picture: "Bild: ziehen dreht, Pfeiltasten auch",
     readings: "Zahlen", plots: "Kurven", looks: "Aussehen", knobs: "Regler", notes: "Hinweise",
     freeze: "Anhalten", colorBy: "Farben", thickness: "Dicke ×", shadows: "Schatten",
@@ -129,6 +129,7 @@ export function quantity(x, unit = "") {
 
 function digits(x) {
   const size = Math.abs(x);
+  if (x === 0) return "0";
   const after = size >= 100 || Number.isInteger(x) ? 0 : size >= 10 ? 1 : size >= 1 ? 2 : 3;
   return x.toLocaleString(language, { maximumFractionDigits: after, useGrouping: false });
 }

@@ -151,18 +151,18 @@ impl Live {
         scene.duration = scene.duration.max(frames / self.plan.frame_rate);
         let text = scene.to_ron()?;
         let io = |path: &Path, source| SimError::Io { action: "write", path: path.into(), source };
-        for number in 1.. {
+        let mut number = 1;
+        loop {
             let path = folder.join(format!("{stem}-changed-{number}.ron"));
             match File::create_new(&path) {
                 Ok(mut file) => {
                     file.write_all(text.as_bytes()).map_err(|error| io(&path, error))?;
                     return Ok((path, !self.is_bent));
                 }
-                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => number += 1,
                 Err(error) => return Err(io(&path, error)),
             }
         }
-        unreachable!("there are more numbers than files")
     }
 
     /// Whether hands or sliders have changed the scene.
