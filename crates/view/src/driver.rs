@@ -283,7 +283,7 @@ impl Driver {
         let now = Instant::now();
         match &mut self.stage {
             Showing::Live(live) if live.failure.is_none() => {
-                live.pace.start(now, live.world.time())
+                live.pace.start(now, live.world.time());
             }
             Showing::Recorded(recorded) => recorded.pace.start(now, recorded.now.frame.time),
             _ => {}

@@ -23,7 +23,7 @@ impl GalleryScene {
     }
 }
 
-/// GalleryPictures of the scenes at their start, each drawn when it is first asked for.
+/// Pictures of the scenes at their start, each drawn when it is first asked for.
 #[derive(Debug)]
 pub(crate) struct GalleryPictures {
     scenes: Vec<GalleryScene>,

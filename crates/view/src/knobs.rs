@@ -91,10 +91,10 @@ pub(crate) const KNOBS: &[Knob] = &[
             _ => None,
         },
         write: |scene, x| {
-            if let Some(springs) = &mut scene.mass_spring {
-                if let Model::Ring { tau, .. } | Model::Ball { tau, .. } = &mut springs.model {
-                    *tau = x;
-                }
+            if let Some(springs) = &mut scene.mass_spring
+                && let Model::Ring { tau, .. } | Model::Ball { tau, .. } = &mut springs.model
+            {
+                *tau = x;
             }
         },
     },
