@@ -118,8 +118,11 @@ function showAbout(about) {
   $("tools").hidden = !isLive;
   $("notes-section").hidden = !about.notes?.length;
   $("notes").textContent = (about.notes ?? []).join("\n");
-  fillChoices(COLORS.filter((color) => (color !== "charge" || about.has_charge || !isLive)
-    && (color !== "contact" || about.has_contacts || !isLive)));
+  const lacks = {
+    charge: isLive && !about.has_charge, contact: isLive && !about.has_contacts,
+    strain: about.can_hold, curvature: about.can_hold,
+  };
+  fillChoices(COLORS.filter((name) => !lacks[name]));
   showTool();
   if (about.kind === "broken") {
     const problems = about.problems.map(({ path, message, line }) => (
@@ -138,6 +141,7 @@ function showState(state) {
   const behind = state.lag > 0.05 ? ` <small>−${quantity(state.lag, "s")}</small>` : "";
   const reached = state.measured ? ` <small>${quantity(state.measured)} ×</small>` : "";
   $("clock").innerHTML = state.time === undefined ? "" : `${quantity(state.time, "s")}${reached}${behind}`;
+  if (state.speed && document.activeElement !== $("speed")) $("speed").value = String(state.speed);
   if (state.frames !== undefined) {
     $("slider").max = state.frames - 1;
     if (document.activeElement !== $("slider")) $("slider").value = state.frame;

@@ -34,7 +34,7 @@ const energy = (x) => x !== undefined && quantity(x, "J");
 function extra(state) {
   return (state.names ?? []).map((name, index) => {
     const [, what, unit] = name.match(/^(.*) \((.*)\)$/) ?? [null, name, ""];
-    return [what, quantity(state.readings?.[index], unit.replace("^2", "²").replace("^3", "³"))];
+    return [word(what), quantity(state.readings?.[index], unit.replace("^2", "²").replace("^3", "³"))];
   });
 }
 
