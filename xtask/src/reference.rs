@@ -8,7 +8,7 @@ use syn::{Attribute, Fields, Item, Meta};
 use xshell::Shell;
 
 /// Where the types are, in the order of the reference.
-const SOURCES: [&str; 15] = [
+const SOURCES: [&str; 16] = [
     "lib",
     "environment",
     "fibers",
@@ -18,6 +18,7 @@ const SOURCES: [&str; 15] = [
     "tip",
     "motion",
     "object",
+    "grip",
     "contact",
     "charging",
     "mass_spring",

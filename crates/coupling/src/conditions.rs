@@ -60,6 +60,8 @@ pub struct FiberConditions {
     pub tip: Isometry3<f64>,
     /// Load on the tip where the bundle leaves it free.
     pub end_load: End,
+    /// Forces of hands on nodes, N, world; `None` as long as there never was a hand.
+    pub pulls: Option<Vec<(usize, Vector3<f64>)>>,
 }
 
 /// The conditions during one step.
@@ -79,7 +81,11 @@ impl FiberConditions {
 
     /// The forces on all nodes at time `t` (s), N, world; `None` if there are none.
     pub(crate) fn node_forces(&self, t: f64) -> Option<Vec<Vector3<f64>>> {
-        self.bundle.bundle.node_forces(self.segments, t)
+        let forces = self.bundle.bundle.node_forces(self.segments, t);
+        let Some(pulls) = &self.pulls else { return forces };
+        let mut forces = forces.unwrap_or_else(|| vec![Vector3::zeros(); self.segments + 1]);
+        pulls.iter().for_each(|(node, force)| forces[*node] += force);
+        Some(forces)
     }
 
     /// The tip's start pose, moved along by `way` and turned by `angle` about its tangent.

@@ -64,6 +64,23 @@ impl<B: RodBatch + ?Sized> Fibers<B> {
         self.groups[group].batch.set_state(lane, state)
     }
 
+    /// Lets hands pull at nodes from the next step on, in place of those before: fibre, node and
+    /// force, N, world.
+    ///
+    /// # Panics
+    /// If there is no such fibre, as indexing does; a step panics if there is no such node.
+    pub fn pull(&mut self, pulls: impl IntoIterator<Item = (usize, usize, Vector3<f64>)>) {
+        for lane in self.groups.iter_mut().flat_map(|group| &mut group.lanes) {
+            if let Some(before) = &mut lane.pulls {
+                before.clear();
+            }
+        }
+        for (fiber, node, force) in pulls {
+            let (group, lane) = self.lanes[fiber];
+            self.groups[group].lanes[lane].pulls.get_or_insert_default().push((node, force));
+        }
+    }
+
     /// Position (m) and velocity (m/s) of a node of a fibre, world; of its tip for `None`.
     ///
     /// # Panics

@@ -5,6 +5,7 @@ use rapunzel_keratin::lab::Instrument;
 use rapunzel_keratin::{HairType, Thickness, Treatment};
 use rapunzel_scattering::Pigments;
 use rapunzel_studio::{Coloring, HairModel, pigments};
+use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -76,6 +77,8 @@ pub(crate) enum Command {
     Lab(LabOptions),
     /// Draw a run, a scene, a style or a file of strands as a picture or a film.
     Render(RenderOptions),
+    /// Show a scene that runs, a recorded run, a style or strands in a browser, with hands on it.
+    View(ViewOptions),
     /// Say how the run in a folder stands.
     Info {
         /// The folder of a run.
@@ -204,6 +207,27 @@ pub(crate) struct RenderOptions {
     #[arg(long, conflicts_with_all = ["film", "turntable"])]
     pub(crate) resume: bool,
     /// Threads, at most four for each core [default: all cores]. The picture does not depend on it.
+    #[arg(long, value_parser = clap::value_parser!(u16).range(1..))]
+    pub(crate) threads: Option<u16>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ViewOptions {
+    /// A scene or a style (RON), the folder of a run or of a grown style, or a file of strands or
+    /// of a frame [default: a gallery of the scenes that ship].
+    pub(crate) what: Option<PathBuf>,
+    /// The address and port to listen at, 0 for any free port. Where other machines reach it, pages
+    /// must bring a token, which is in the address that is printed.
+    #[arg(long, value_name = "ADDRESS", default_value = "127.0.0.1:0")]
+    pub(crate) listen: SocketAddr,
+    /// Let the scene run from the start.
+    #[arg(long)]
+    pub(crate) run: bool,
+    /// Open no browser.
+    #[arg(long)]
+    pub(crate) no_browser: bool,
+    /// Threads, at most four for each core [default: all cores]. What is simulated does not depend
+    /// on it.
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..))]
     pub(crate) threads: Option<u16>,
 }

@@ -12,6 +12,7 @@ mod render;
 mod run;
 mod solve;
 mod templates;
+mod view;
 mod words;
 
 use arguments::{Arguments, Command};
@@ -30,6 +31,7 @@ fn main() -> ExitCode {
         Command::Solve(options) => solve::solve(&options, json),
         Command::Info { folder } => info::info(&folder, json),
         Command::Lab(options) => lab::lab(&options, json),
+        Command::View(options) => view::view(options, json),
         Command::Render(options) => render::render(&options, json),
     };
     result.unwrap_or_else(|failure| failure.tell(json))

@@ -51,6 +51,11 @@ templates![
     "style/shaken-head",
 ];
 
+/// Names and texts of all that ships.
+pub(crate) fn scenes() -> impl Iterator<Item = (&'static str, &'static str)> {
+    NAMES.iter().copied().zip(TEXTS.iter().copied())
+}
+
 /// The text of a scene that ships.
 pub(crate) fn text(name: &str) -> Option<&'static str> {
     NAMES.iter().position(|n| *n == name).map(|i| TEXTS[i])

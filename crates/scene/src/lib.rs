@@ -9,6 +9,7 @@ mod environment;
 mod error;
 mod fiber_shape;
 mod fibers;
+mod grip;
 mod groom;
 mod locate;
 mod mass_spring;
@@ -34,6 +35,7 @@ pub use environment::{Environment, Wind};
 pub use error::SceneError;
 pub use fiber_shape::{ClosedCurve, FiberShape, Initial};
 pub use fibers::{Bundle, Orientation, PointForce, Pose};
+pub use grip::{Grip, GripPlace};
 pub use groom::{Groom, GroomShape, GroomSource, GroomUpAxis, RootBall};
 pub use mass_spring::{
     Hold, Integrator, MassSpring, Model, NodeContacts, NodeLoad, NodePlaces, SpringBodyShape,
@@ -92,6 +94,9 @@ pub struct Scene {
     /// A mass-spring system in place of fibres.
     #[serde(default)]
     pub mass_spring: Option<MassSpring>,
+    /// Hands that pull at nodes.
+    #[serde(default)]
+    pub grips: Vec<Grip>,
     /// Gravity, air and climate, which act on all fibres.
     #[serde(default)]
     pub environment: Environment,
@@ -189,6 +194,7 @@ impl Scene {
             && !air.climate.changes()
             && self.charging.is_none()
             && self.mass_spring.is_none()
+            && self.grips.is_empty()
     }
 
     /// Number of segments of fibre `fiber`, counted over all bundles; `None` if there is no such
@@ -283,6 +289,7 @@ impl Scene {
             }
         };
         refuse(self.contact.is_some(), "contact");
+        refuse(!self.grips.is_empty(), "grips");
         refuse(self.mass_spring.is_some(), "mass_spring");
         refuse(self.stepper.method.is_some(), "stepper.method");
         refuse(self.stepper.tolerance.is_some(), "stepper.tolerance");
@@ -326,6 +333,7 @@ impl Scene {
             self.check_keratin(bundle, c);
         });
         check.each("objects", &self.objects, |c, object| object.check(c));
+        check.each("grips", &self.grips, |c, grip| grip.check(c, self.segments_of(grip.fiber)));
         if let Some(contact) = &self.contact {
             check.within("contact", |c| contact.check(c));
             object::check_pairs(&self.objects, &contact.friction, check);

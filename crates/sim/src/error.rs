@@ -80,6 +80,19 @@ pub enum SimError {
         /// Number of its nodes; 0 where there is no such fibre.
         nodes: usize,
     },
+    /// A hand is at a node that is not there.
+    #[error("grips[{grip}] is at a node of fibre {fiber} that is not there: it has {nodes} nodes")]
+    Grip {
+        /// Index of the hand in the scene.
+        grip: usize,
+        /// The fibre, counted over all bundles.
+        fiber: usize,
+        /// Number of its nodes; 0 where there is no such fibre.
+        nodes: usize,
+    },
+    /// Hands are laid on what cannot be taken hold of.
+    #[error("nothing here can be {0} by hand: fibres can be pulled, mass-spring systems also held")]
+    NoHands(&'static str),
     /// A fibre of the scene cannot be built although each of its numbers is in range.
     #[error("fibers[{bundle}]: {source}")]
     Fiber {

@@ -9,6 +9,7 @@ mod estimate;
 mod file;
 mod folder;
 mod folder_lock;
+mod hands;
 pub mod lab;
 mod manifest;
 mod mass_spring;
@@ -38,7 +39,7 @@ pub use rapunzel_coupling::{
 pub use rapunzel_scene::{self as scene, Plan, Scene};
 pub use run::{Cancel, Control, Progress, run};
 pub use shown::{Shown, ShownFrame, ShownStage};
-pub use stepper::{FiberStates, Scenery, Stepper};
+pub use stepper::{FiberStates, NodePull, Scenery, Stepper};
 pub use storage::write_atomically;
 pub use summary::{LeftOut, Outcome, Statistics, Summary};
 pub use world::{Snapshot, World};

@@ -1,4 +1,5 @@
 use crate::SimError;
+use crate::scene::Hold;
 use nalgebra::{Point3, Vector3};
 use rapunzel_charging::ChargedRods;
 use rapunzel_coupling::{EnergyLedger, FibersInContact, StepReport, Stopwatch, Surroundings};
@@ -103,6 +104,33 @@ pub trait Stepper: Send + Sync {
         Err(SimError::NoFibers)
     }
 
+    /// The node that a point of a strand is, where nodes are counted as a whole; else the point.
+    fn node_of(&self, _strand: usize, point: usize) -> usize {
+        point
+    }
+
+    /// Lets hands pull at nodes from the next step on, in place of those before.
+    ///
+    /// # Errors
+    /// [`SimError::NoHands`] where nothing can be pulled.
+    fn pull(&mut self, _pulls: &[NodePull]) -> Result<(), SimError> {
+        Err(SimError::NoHands("pulled"))
+    }
+
+    /// Moves, fixes or releases a node as a hold of a mass-spring scene does.
+    ///
+    /// # Errors
+    /// [`SimError::NoHands`] where nothing can be held, [`SimError::MassSpring`] for a node that is
+    /// not there.
+    fn hold(&mut self, _hold: Hold) -> Result<(), SimError> {
+        Err(SimError::NoHands("held"))
+    }
+
+    /// Whether something holds a node now.
+    fn is_held(&self, _node: usize) -> bool {
+        false
+    }
+
     /// The fibres with their contacts, if there are any.
     fn in_contact(&self) -> Option<&FibersInContact> {
         None
@@ -151,4 +179,15 @@ pub struct Scenery {
     pub prims: Vec<Prim>,
     /// What holds strands, and when, s.
     pub supports: Vec<(Support, Range<f64>)>,
+}
+
+/// A force of a hand on a node during a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NodePull {
+    /// The fibre, counted over all; 0 for what counts its nodes as a whole.
+    pub strand: usize,
+    /// The node.
+    pub node: usize,
+    /// Force, N, world.
+    pub force: Vector3<f64>,
 }

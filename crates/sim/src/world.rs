@@ -1,6 +1,9 @@
 use crate::energy::{CreatedEnergy, EnergyBudget, stored};
 use crate::stepper::{FiberStates, Stepper};
-use crate::{ChargeReport, ContactWork, EnergyLedger, SimError, scene::Environment};
+use crate::{
+    ChargeReport, ContactWork, EnergyLedger, SimError,
+    scene::{Environment, Grip},
+};
 use nalgebra::{Point3, Vector3};
 use rapunzel_collision::field::Soup;
 use rapunzel_contact::RigidBody;
@@ -23,6 +26,8 @@ pub struct World {
     /// Budget by which the energy is watched, if it can be.
     budget: Option<EnergyBudget>,
     notes: Vec<String>,
+    /// Hands that pull.
+    pub(crate) grips: Vec<Grip>,
 }
 
 /// Time as a count of equal steps, so that it is exact after any number of them.
@@ -96,6 +101,7 @@ impl World {
             stepper,
             budget: None,
             notes: Vec::new(),
+            grips: Vec::new(),
         }
     }
 
@@ -105,6 +111,7 @@ impl World {
     /// [`SimError`] names what could not be moved, and why. Some may have been moved then and
     /// others not: [restore](Self::restore) a snapshot before going on.
     pub fn step(&mut self, dt: f64) -> Result<StepReport, SimError> {
+        self.pull()?;
         let next = self.clock.after(dt);
         let mut around = Surroundings {
             environment: &self.environment,
@@ -133,6 +140,14 @@ impl World {
     #[must_use]
     pub fn stepper(&self) -> &dyn Stepper {
         &*self.stepper
+    }
+
+    pub(crate) fn stepper_mut(&mut self) -> &mut dyn Stepper {
+        &mut *self.stepper
+    }
+
+    pub(crate) fn objects(&self) -> &[CollisionObject] {
+        &self.objects
     }
 
     /// The fibres in their natural state; an assembly of none where something else moves.

@@ -90,7 +90,9 @@ impl Coloring {
         frame.strands.iter().enumerate().flat_map(of).collect()
     }
 
-    fn of_strand(self, index: usize, strand: &Strand) -> Vec<f64> {
+    /// Values at all nodes of the strand number `index`.
+    #[must_use]
+    pub fn of_strand(self, index: usize, strand: &Strand) -> Vec<f64> {
         let curvature = |k: usize| strand.curvatures[k].xy().norm();
         let tension = |segment: usize| {
             let tangent = strand.frames[segment].matrix().column(2).into_owned();

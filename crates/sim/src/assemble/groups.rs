@@ -63,6 +63,7 @@ pub(super) fn groups<B: RodBatch + ?Sized>(
             root: *start.rod.fiber.root(),
             tip: batch.state(lane).tip(&start.rod.fiber),
             end_load: start.end_load,
+            pulls: None,
         };
         let lanes = starts.iter().enumerate().map(lane).collect();
         Ok(FiberGroup { fibers: fibers.to_vec(), batch, lanes })

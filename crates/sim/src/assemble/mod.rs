@@ -67,6 +67,7 @@ impl World {
         check_probes(scene, &*stepper)?;
         let mut world = Self::new(scene.environment.clone(), objects, stepper);
         world.set_notes(notes);
+        world.set_grips(scene.grips.clone())?;
         if let Some(warning) = world.warning(Plan::new(scene).dt) {
             tracing::warn!("{warning}");
         }

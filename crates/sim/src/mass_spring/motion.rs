@@ -1,6 +1,7 @@
 use super::space::{flat, in_world, spatial};
 use super::strands::{Polyline, places, polylines, strand, surface};
-use crate::scene::{Hold, Integrator, MassSpring};
+use crate::NodePull;
+use crate::scene::{Hold, Integrator, MassSpring, NodeLoad};
 use nalgebra::{Point3, SVector, Vector3};
 use rapunzel_collision::field::HalfSpace;
 use rapunzel_coupling::CollisionObject;
@@ -35,6 +36,12 @@ pub(crate) trait ErasedSystem: Send + Sync {
     fn surface(&self) -> Option<usd::PrimShape>;
     /// In which of these lines every node is, and where in it.
     fn places(&self) -> BTreeMap<usize, [usize; 2]>;
+    /// The node that a point of a line is.
+    fn node_of(&self, line: usize, point: usize) -> usize;
+    /// Lets hands pull at nodes, in place of those before.
+    fn pull(&mut self, pulls: &[NodePull]) -> Result<(), SpringError>;
+    /// Adds a hold to those of the scene.
+    fn hold(&mut self, hold: Hold) -> Result<(), SpringError>;
     /// Whether something holds a node now.
     fn is_held(&self, node: usize) -> bool;
     /// Energy of the loads (J), which is not in that of the system; power that is dissipated and
@@ -55,6 +62,10 @@ pub(crate) struct MovingSystem<const D: usize> {
     method: SpringIntegrator<D>,
     substeps: usize,
     holds: Vec<Hold>,
+    /// Of the scene.
+    loads: Vec<NodeLoad>,
+    /// Nodes at which hands pull.
+    pulled: Vec<usize>,
     contacts: Option<Contacts>,
     ground: Option<HalfSpace>,
     enclosure: Option<Enclosure<D>>,
@@ -102,6 +113,8 @@ impl<const D: usize> MovingSystem<D> {
             method,
             substeps: scene.substeps,
             holds: scene.holds.clone(),
+            loads: scene.loads.clone(),
+            pulled: Vec::new(),
             contacts,
             ground,
             enclosure,
@@ -112,9 +125,12 @@ impl<const D: usize> MovingSystem<D> {
         }
     }
 
-    /// Takes, moves and lets go of nodes as it is time to; doing so again changes nothing.
+    /// Takes, moves and lets go of nodes as it is time to, each by the last of its holds; doing so
+    /// again changes nothing.
     fn apply_holds(&mut self, time: f64) -> Result<(), SpringError> {
-        for hold in self.holds.iter().filter(|hold| time >= hold.from) {
+        let begun = self.holds.iter().filter(|hold| time >= hold.from);
+        let last: BTreeMap<usize, &Hold> = begun.map(|hold| (hold.node, hold)).collect();
+        for hold in last.into_values() {
             if time < hold.until {
                 self.system.hold(hold.node, flat(&hold.velocity))?;
             } else if hold.release {
@@ -215,6 +231,30 @@ where
 
     fn places(&self) -> BTreeMap<usize, [usize; 2]> {
         places(&self.lines)
+    }
+
+    fn node_of(&self, line: usize, point: usize) -> usize {
+        self.lines[line].node(point)
+    }
+
+    fn pull(&mut self, pulls: &[NodePull]) -> Result<(), SpringError> {
+        let pulled = pulls.iter().map(|pull| pull.node).collect();
+        let before = std::mem::replace(&mut self.pulled, pulled);
+        for node in before.into_iter().chain(self.pulled.iter().copied()) {
+            let own = self.loads.iter().rfind(|load| load.node == node);
+            let own = own.map_or_else(Vector3::zeros, |load| Vector3::from(load.force));
+            let of = pulls.iter().filter(|pull| pull.node == node);
+            let sum = of.fold(own, |sum, pull| sum + pull.force);
+            self.system.set_load(node, flat(&sum.into()))?;
+        }
+        Ok(())
+    }
+
+    fn hold(&mut self, hold: Hold) -> Result<(), SpringError> {
+        // Only to find out whether there is such a node.
+        self.system.clone().pin(hold.node)?;
+        self.holds.push(hold);
+        Ok(())
     }
 
     fn is_held(&self, node: usize) -> bool {

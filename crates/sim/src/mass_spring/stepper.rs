@@ -1,8 +1,8 @@
 use super::build::{build, readings};
 use super::motion::ErasedSystem;
-use crate::SimError;
-use crate::scene::MassSpring;
+use crate::scene::{Hold, MassSpring};
 use crate::stepper::{Scenery, Stepper};
+use crate::{NodePull, SimError};
 use nalgebra::{Point3, Vector3};
 use rapunzel_coupling::TimeInterval;
 use rapunzel_coupling::{StepReport, Surroundings};
@@ -85,6 +85,24 @@ impl Stepper for MassSprings {
 
     fn energy_row(&self) -> Vec<f64> {
         self.springs.readings()
+    }
+
+    fn node_of(&self, strand: usize, point: usize) -> usize {
+        self.springs.node_of(strand, point)
+    }
+
+    fn pull(&mut self, pulls: &[NodePull]) -> Result<(), SimError> {
+        let pulled = self.springs.pull(pulls);
+        pulled.map_err(|source| SimError::MassSpring { time: 0.0, source })
+    }
+
+    fn hold(&mut self, hold: Hold) -> Result<(), SimError> {
+        let time = hold.from;
+        self.springs.hold(hold).map_err(|source| SimError::MassSpring { time, source })
+    }
+
+    fn is_held(&self, node: usize) -> bool {
+        self.springs.is_held(node)
     }
 
     fn warning(&self, dt: f64) -> Option<String> {

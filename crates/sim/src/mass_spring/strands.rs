@@ -11,6 +11,13 @@ pub(crate) struct Polyline {
     springs: Vec<usize>,
 }
 
+impl Polyline {
+    /// The node at a point of the line.
+    pub(crate) fn node(&self, point: usize) -> usize {
+        self.nodes[point]
+    }
+}
+
 /// Lines along springs that go on from node to node by the same number: the rows, columns and
 /// diagonals of a lattice.
 pub(crate) fn polylines(springs: impl Iterator<Item = [usize; 2]>) -> Vec<Polyline> {

@@ -1,8 +1,8 @@
 use super::free::{ledger_columns, ledger_row};
 use super::{NodeLoads, fiber_nodes, fiber_strands};
-use crate::SimError;
 use crate::folder::{CONTACTS, OBJECTS};
 use crate::stepper::{FiberStates, Scenery, Stepper};
+use crate::{NodePull, SimError};
 use nalgebra::{Point3, Vector3};
 use rapunzel_coupling::{ContactWork, FibersInContact, StepReport, Stopwatch, Surroundings};
 use rapunzel_export::Strand;
@@ -122,6 +122,12 @@ impl Stepper for InContact {
 
     fn fibers(&self) -> Option<&dyn FiberStates> {
         Some(self.fibers.fibers())
+    }
+
+    fn pull(&mut self, pulls: &[NodePull]) -> Result<(), SimError> {
+        let pulls = pulls.iter().map(|pull| (pull.strand, pull.node, pull.force));
+        self.fibers.fibers_mut().pull(pulls);
+        Ok(())
     }
 
     fn set_state(&mut self, fiber: usize, state: &RodState) -> Result<(), SimError> {

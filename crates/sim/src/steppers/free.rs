@@ -1,6 +1,6 @@
 use super::{NodeLoads, fiber_nodes, fiber_strands};
-use crate::SimError;
 use crate::stepper::{FiberStates, Scenery, Stepper};
+use crate::{NodePull, SimError};
 use nalgebra::{Point3, Vector3};
 use rapunzel_coupling::{EnergyLedger, Fibers, RodBatch, StepReport, Surroundings};
 use rapunzel_export::Strand;
@@ -94,6 +94,12 @@ impl Stepper for Free {
 
     fn fibers(&self) -> Option<&dyn FiberStates> {
         Some(&self.fibers)
+    }
+
+    fn pull(&mut self, pulls: &[NodePull]) -> Result<(), SimError> {
+        let pulls = pulls.iter().map(|pull| (pull.strand, pull.node, pull.force));
+        self.fibers.pull(pulls);
+        Ok(())
     }
 
     fn set_state(&mut self, fiber: usize, state: &RodState) -> Result<(), SimError> {

@@ -1,0 +1,36 @@
+// The gallery of scenes that ship.
+
+import { word } from "./words.js";
+
+const KINDS = ["rope", "net", "body", "round", "fibers", "contact", "charge"];
+const names = { contact: "contactKind", charge: "chargeKind" };
+
+export function showGallery(parent, scenes, open) {
+  parent.replaceChildren();
+  for (const kind of KINDS) {
+    const own = scenes.filter((scene) => scene.kind === kind);
+    if (own.length === 0) continue;
+    const title = document.createElement("h2");
+    title.textContent = word(names[kind] ?? kind);
+    const cards = document.createElement("div");
+    cards.className = "cards";
+    cards.append(...own.map((scene) => card(scene, open)));
+    parent.append(title, cards);
+  }
+}
+
+function card(scene, open) {
+  const button = document.createElement("button");
+  button.className = "card";
+  button.dataset.name = scene.name;
+  const picture = document.createElement("img");
+  Object.assign(picture, { loading: "lazy", alt: "", src: `picture/${scene.name}` });
+  const text = document.createElement("span");
+  text.textContent = scene.title || scene.name;
+  const name = document.createElement("small");
+  name.textContent = scene.name;
+  text.append(name);
+  button.append(picture, text);
+  button.addEventListener("click", () => open(scene.name));
+  return button;
+}

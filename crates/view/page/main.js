@@ -1,0 +1,391 @@
+// The page: what is shown, and what its parts tell each other.
+
+import { Camera } from "./camera.js";
+import { COLORS, UNITS, colorName, faster, fillChoices, makeKnobs, showValues, showWind } from "./controls.js";
+import { showGallery } from "./gallery.js";
+import { Hand } from "./hand.js";
+import { listen } from "./keys.js";
+import { Link } from "./link.js";
+import { Painter } from "./painter.js";
+import { Plots } from "./plot.js";
+import { plots, rows } from "./readings.js";
+import { languageNow, quantity, setLanguage, word } from "./words.js";
+
+const $ = (id) => document.getElementById(id);
+const canvas = $("picture");
+const SIDES = ["front", "right", "back", "left", "top", "below"];
+const SUPPORT = [0.93, 0.35, 0.24];
+const SIDEWAYS = { azimuth: 0.35, elevation: 0.15 };
+const HELD = [0.1, 0.55, 0.95];
+
+// What may be read by tests too.
+const page = {
+  about: { kind: "none" }, state: {}, mine: false, frames: 0, lastDraw: 0, drawTime: 0,
+  camera: new Camera(), painter: null, tool: "view", isFit: false, stale: true,
+};
+window.rapunzel = page;
+
+try {
+  page.painter = new Painter(canvas);
+} catch (error) {
+  say(word("noWebgl"), true);
+  console.warn(error.message);
+}
+
+const charts = new Plots($("plots"));
+charts.format = quantity;
+const redraw = () => (page.stale = true);
+
+const link = new Link({
+  open: () => status(""),
+  closed: () => status(word("connecting"), true),
+  controls(text) {
+    page.mine = text.mine;
+    $("take-controls").hidden = text.mine;
+    status(text.mine ? "" : word("watching"));
+  },
+  about: showAbout,
+  layout(layout) {
+    page.painter?.setLayout(layout);
+    page.layout = layout;
+  },
+  frame(frame) {
+    page.frames++;
+    if (page.painter?.setFrame(frame)) {
+      if (!page.isFit) fit();
+      showLegend();
+      redraw();
+      page.unsent = true;
+    } else {
+      link.send({ do: "drawn" });
+    }
+  },
+  state: showState,
+  complaint: (text) => say(text.message, true),
+  saved(text) {
+    page.saved = text;
+    say(`${word("saved", text)}\n${word(text.exact ? "exact" : "bent")}`);
+  },
+});
+
+function status(text, bad = false) {
+  $("status").textContent = text;
+  $("status").toggleAttribute("data-bad", bad);
+}
+
+function say(text, bad = false) {
+  $("message").hidden = !text;
+  $("message").textContent = text;
+  $("message").toggleAttribute("data-bad", bad);
+  clearTimeout(say.timer);
+  if (text && !bad) say.timer = setTimeout(() => say(""), 12000);
+}
+
+function showAbout(about) {
+  const isOther = about.title !== page.about.title || about.kind !== page.about.kind;
+  page.about = about;
+  document.body.dataset.kind = about.kind;
+  $("title").textContent = about.scene || about.title || "Rapunzel";
+  document.title = about.title ? `${about.title} – Rapunzel` : "Rapunzel";
+  $("to-gallery").hidden = !about.has_gallery || about.kind === "gallery";
+  $("gallery").hidden = about.kind !== "gallery";
+  if (about.kind === "gallery") {
+    showGallery($("gallery"), about.scenes, (name) => link.send({ do: "open", name }));
+  }
+  if (about.kind === "building") {
+    status(word("building"));
+    return;
+  }
+  status(page.mine ? "" : word("watching"));
+  const isLive = about.kind === "live";
+  if (isOther) {
+    page.isFit = false;
+    say("");
+    page.tool = about.can_hold ? "hand" : "view";
+    // Springs hang in a plane, which is seen best from the front.
+    Object.assign(page.camera, about.can_hold ? { azimuth: 0, elevation: 0 } : SIDEWAYS);
+    charts.make(plots(about));
+    if (about.warning) say(about.warning);
+  }
+  makeKnobs(about.knobs ?? [], (knob, value) => link.send({ do: "set", knob, value }));
+  $("slider-box").hidden = about.kind !== "recorded" || about.frames < 2;
+  $("run").hidden = $("step").hidden = $("restart").hidden = $("speed-box").hidden =
+    !isLive && $("slider-box").hidden;
+  $("mode").hidden = !about.has_modes;
+  $("save").hidden = !isLive;
+  $("tool-hand").hidden = !about.can_pull;
+  $("tool-pin").hidden = !about.can_hold;
+  $("tools").hidden = !isLive;
+  $("notes-section").hidden = !about.notes?.length;
+  $("notes").textContent = (about.notes ?? []).join("\n");
+  const lacks = {
+    charge: isLive && !about.has_charge, contact: isLive && !about.has_contacts,
+    strain: about.can_hold, curvature: about.can_hold,
+  };
+  fillChoices(COLORS.filter((name) => !lacks[name]));
+  showTool();
+  if (about.kind === "broken") {
+    const problems = about.problems.map(({ path, message, line }) => (
+      `${line ? `${word("line", { line })}: ` : ""}${path ? `${path}: ` : ""}${message}`));
+    say([word("cannot"), ...(problems.length ? problems : [about.message])].join("\n"), true);
+  } else if (isOther && !about.warning) {
+    say("");
+  }
+}
+
+function showState(state) {
+  page.state = { ...state, names: page.about.readings, has_contacts: page.about.has_contacts };
+  $("run").querySelector("use").setAttribute("href", state.runs ? "#i-pause" : "#i-run");
+  $("run").toggleAttribute("data-on", Boolean(state.runs));
+  $("run").setAttribute("aria-label", word(state.runs ? "pause" : "run"));
+  const behind = state.lag > 0.05 ? ` <small>−${quantity(state.lag, "s")}</small>` : "";
+  const reached = state.measured ? ` <small>${quantity(state.measured)} ×</small>` : "";
+  $("clock").innerHTML = state.time === undefined ? "" : `${quantity(state.time, "s")}${reached}${behind}`;
+  if (state.speed && document.activeElement !== $("speed")) $("speed").value = String(state.speed);
+  if (state.frames !== undefined) {
+    $("slider").max = state.frames - 1;
+    if (document.activeElement !== $("slider")) $("slider").value = state.frame;
+    $("frame-text").textContent = `${state.frame + 1}/${state.frames}`;
+    $("slider-box").hidden = state.frames < 2;
+  }
+  $("readings").replaceChildren(...rows(page.state, page.painter?.frame).map(([name, value]) => {
+    const row = document.createElement("tr");
+    for (const text of [name, value]) {
+      const cell = document.createElement("td");
+      cell.textContent = text;
+      row.append(cell);
+    }
+    return row;
+  }));
+  if (page.about.kind === "live") {
+    charts.push(page.state);
+    showValues(state.values ?? {});
+  }
+  showWind(state.wind);
+  showLegend();
+  redraw();
+  if (state.failure && page.failure !== state.failure) {
+    say(word("failed", { message: state.failure }), true);
+  } else if (!state.failure && page.failure) {
+    say("");
+  }
+  page.failure = state.failure;
+}
+
+function showLegend() {
+  const color = $("color").value;
+  const { low, high } = page.painter?.frame ?? { low: 0, high: 0 };
+  $("legend").hidden = color === "own" || color === "fiber" || !page.state.colored;
+  $("legend-title").textContent = colorName(color);
+  $("legend-low").textContent = quantity(low, UNITS[color]);
+  $("legend-high").textContent = quantity(high, UNITS[color]);
+}
+
+function showTool() {
+  for (const name of ["view", "hand", "pin"]) {
+    $(`tool-${name}`).setAttribute("aria-checked", String(page.tool === name));
+  }
+}
+
+function setTool(tool) {
+  const may = { view: true, hand: page.about.can_pull, pin: page.about.can_hold };
+  if (may[tool]) page.tool = tool;
+  showTool();
+}
+
+// The strand of a point of the frame, and which of its points it is.
+function address(point) {
+  const { starts } = page.layout;
+  let [low, high] = [0, starts.length - 1];
+  while (low < high) {
+    const middle = (low + high + 1) >> 1;
+    if (starts[middle] <= point) low = middle;
+    else high = middle - 1;
+  }
+  return { strand: low, point: point - starts[low] };
+}
+
+const hand = new Hand(canvas, {
+  camera: page.camera,
+  get painter() { return page.painter; },
+  tool: (event) => (event.ctrlKey && page.tool === "view" ? "hand" : page.tool),
+  turns: () => !hand.held || hand.keeps,
+  take(point, to) {
+    link.send({ do: "take", ...address(point), to });
+    redraw();
+  },
+  lead(to) {
+    page.lead = to;
+  },
+  drop() {
+    page.lead = null;
+    link.send({ do: "drop" });
+    redraw();
+  },
+  fix(point) {
+    const { supports } = page.layout;
+    const places = page.painter.place(point).join();
+    let fixed = false;
+    for (let k = 0; k < supports.length; k += 2) {
+      fixed ||= page.painter.place(supports[k]).join() === places;
+    }
+    link.send({ do: "fix", ...address(point), fixed: !fixed });
+  },
+  hover: (near) => (canvas.style.cursor = near ? "grab" : "default"),
+  fit: () => fit(),
+  redraw,
+});
+page.hand = hand;
+
+function fit() {
+  if (!page.painter?.frame) return;
+  const [low, high] = page.painter.box();
+  if (typeof page.about.ground === "number") low[2] = Math.min(low[2], page.about.ground);
+  page.camera.fit(low, high, canvas.clientWidth / canvas.clientHeight);
+  page.isFit = true;
+  redraw();
+}
+
+function toggle() {
+  link.send({ do: page.state.runs ? "pause" : "run" });
+}
+
+function color(name) {
+  link.send({ do: "color", by: name === "own" ? null : name });
+  redraw();
+}
+
+const dark = () => document.documentElement.dataset.theme === "dark";
+
+function draw(now) {
+  requestAnimationFrame(draw);
+  if (page.lead) {
+    link.send({ do: "move", to: page.lead });
+    page.lead = null;
+  }
+  const density = Math.min(2, window.devicePixelRatio || 1);
+  const [width, height] = [canvas.clientWidth, canvas.clientHeight].map((x) => Math.round(x * density));
+  if (width > 0 && (canvas.width !== width || canvas.height !== height)) {
+    [canvas.width, canvas.height] = [width, height];
+    redraw();
+  }
+  if (!page.stale || !page.painter || width === 0) return;
+  page.stale = false;
+  const by = $("color").value;
+  const held = hand.held ? [{ point: hand.held.point, to: hand.held.to }] : [];
+  page.painter.draw(page.camera, {
+    coloring: by === "own" || !page.state.colored ? 0 : by === "fiber" ? 2 : 1,
+    thickness: 10 ** Number($("thickness").value),
+    shadows: $("shadows").checked,
+    surfaces: $("surfaces").checked,
+    background: dark() ? [0.08, 0.094, 0.118] : [0.933, 0.941, 0.953],
+    object: dark() ? [0.5, 0.55, 0.62] : [0.66, 0.7, 0.76],
+    cloth: dark() ? [0.45, 0.58, 0.75] : [0.5, 0.62, 0.78],
+    fixed: SUPPORT,
+    held: HELD,
+    hands: held,
+    ground: page.about.ground ?? null,
+    grid: dark() ? [0.24, 0.28, 0.34] : [0.76, 0.79, 0.83],
+    density,
+  });
+  showRuler();
+  page.drawTime = now - page.lastDraw;
+  page.lastDraw = now;
+  page.drawn = (page.drawn ?? 0) + 1;
+  if (page.unsent) {
+    page.unsent = false;
+    link.send({ do: "drawn" });
+  }
+}
+
+// A length of the picture: one, two or five times a power of ten.
+function showRuler() {
+  const pixel = page.camera.pixel(canvas.clientHeight);
+  const power = 10 ** Math.floor(Math.log10(110 * pixel));
+  const length = [5, 2, 1].map((k) => k * power).find((x) => x <= 110 * pixel) ?? power;
+  $("ruler").firstElementChild.style.width = `${length / pixel}px`;
+  $("ruler").lastElementChild.textContent = quantity(length, "m");
+}
+
+function setTheme(name) {
+  document.documentElement.dataset.theme = name;
+  redraw();
+}
+
+function relabel() {
+  setLanguage(languageNow());
+  $("language").textContent = word("language").slice(0, 2);
+  const keys = Object.entries(word("keys")).flatMap(([key, what]) => {
+    const [term, detail] = [document.createElement("dt"), document.createElement("dd")];
+    [term.textContent, detail.textContent] = [key, what];
+    return [term, detail];
+  });
+  $("shortcuts").replaceChildren(...keys);
+  charts.make(plots(page.about));
+  if (page.about.kind !== "none") showAbout(page.about);
+}
+
+const click = (id, act) => $(id).addEventListener("click", act);
+const panel = () => {
+  const off = document.body.dataset.panel !== "off";
+  document.body.dataset.panel = off ? "off" : "on";
+  $("panel-toggle").setAttribute("aria-expanded", String(!off));
+};
+const gallery = () => page.about.has_gallery && link.send({ do: "gallery" });
+const save = () => page.about.kind === "live" && link.send({ do: "save" });
+const mode = () => page.about.has_modes && link.send({ do: "mode" });
+click("run", toggle);
+click("step", () => link.send({ do: "step" }));
+click("restart", () => link.send({ do: "restart" }));
+click("fit", fit);
+click("mode", mode);
+click("save", save);
+click("to-gallery", gallery);
+click("take-controls", () => link.send({ do: "control" }));
+click("fit-colors", () => link.send({ do: "fit_colors" }));
+click("panel-toggle", panel);
+click("help", () => $("sheet").showModal());
+click("close-sheet", () => $("sheet").close());
+click("theme", () => setTheme(dark() ? "light" : "dark"));
+click("language", () => {
+  setLanguage(languageNow() === "en" ? "de" : "en");
+  relabel();
+});
+click("freeze", () => {
+  charts.frozen = !charts.frozen;
+  $("freeze").setAttribute("aria-pressed", String(charts.frozen));
+});
+for (const name of ["view", "hand", "pin"]) click(`tool-${name}`, () => setTool(name));
+$("speed").addEventListener("change", (event) => link.send({ do: "speed", value: Number(event.target.value) }));
+$("slider").addEventListener("input", (event) => link.send({ do: "seek", frame: Number(event.target.value) }));
+$("color").addEventListener("change", (event) => color(event.target.value));
+$("thickness").addEventListener("input", redraw);
+$("shadows").addEventListener("change", redraw);
+$("surfaces").addEventListener("change", redraw);
+click("message", () => say(""));
+
+listen({
+  space: toggle, ".": () => link.send({ do: "step" }), r: () => link.send({ do: "restart" }), f: fit,
+  v: () => setTool("view"), h: () => setTool("hand"), p: () => setTool("pin"),
+  k: () => hand.keep(), escape: () => hand.drop(), m: mode, s: save, g: gallery, b: panel,
+  "?": () => $("sheet").showModal(), "+": () => faster(1), "-": () => faster(-1),
+  c() {
+    $("color").selectedIndex = ($("color").selectedIndex + 1) % $("color").length;
+    color($("color").value);
+  },
+  turn(dx, dy, moves) {
+    if (moves) page.camera.pan(3 * dx, 3 * dy, canvas.clientHeight);
+    else page.camera.turn(dx, dy);
+    redraw();
+  },
+  ...Object.fromEntries(SIDES.map((side, k) => [String(k + 1), () => {
+    page.camera.look(side);
+    fit();
+  }])),
+});
+
+if (window.innerWidth < 700) panel();
+setTheme(matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
+setLanguage(navigator.language.startsWith("de") ? "de" : "en");
+relabel();
+requestAnimationFrame(draw);

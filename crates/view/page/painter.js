@@ -1,0 +1,394 @@
+// Draws a frame with WebGL2.
+
+import { shaded } from "./mesh.js";
+import { add, multiply, norm, orthographic, pose, scale, sub, unit, view } from "./matrix.js";
+import { programs } from "./shaders.js";
+
+const SHADOW = 1024;
+// Texels in a row of a texture with one for each point.
+const ROW = 2048;
+// Where textures are bound, and the names by which shaders know them.
+const [POINTS, COLORS, RADII] = [1, 2, 3];
+const UNITS = { uShadow: 0, uPoints: POINTS, uColors: COLORS, uRadii: RADII };
+// More held roots of fibres than these are not marked.
+const MOST_ROOTS = 30;
+
+export class Painter {
+  // Throws if the browser has no WebGL2.
+  constructor(canvas) {
+    this.canvas = canvas;
+    const wishes = { antialias: true, alpha: false, powerPreference: "high-performance" };
+    const gl = canvas.getContext("webgl2", wishes);
+    if (!gl) throw new Error("no WebGL2");
+    this.gl = gl;
+    this.programs = {};
+    for (const [name, code] of Object.entries(programs)) this.programs[name] = build(gl, code);
+    this.marks = gl.createBuffer();
+    this.marking = gl.createVertexArray();
+    // What is drawn from textures has indices and no attributes.
+    this.ribbons = this.makeIndices();
+    this.lines = this.makeIndices();
+    this.cloth = this.makeIndices();
+    this.objects = [];
+    this.makeShadow();
+    gl.bindVertexArray(this.marking);
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.marks);
+    gl.vertexAttribPointer(0, 3, gl.FLOAT, false, 28, 0);
+    gl.vertexAttribPointer(1, 4, gl.FLOAT, false, 28, 12);
+    [0, 1].forEach((k) => gl.enableVertexAttribArray(k));
+    gl.bindVertexArray(null);
+  }
+
+  makeIndices() {
+    const gl = this.gl;
+    const array = gl.createVertexArray();
+    gl.bindVertexArray(array);
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
+    gl.bindVertexArray(null);
+    return { array, count: 0 };
+  }
+
+  fillIndices(indices, list) {
+    const gl = this.gl;
+    gl.bindVertexArray(indices.array);
+    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, list, gl.STATIC_DRAW);
+    gl.bindVertexArray(null);
+    indices.count = list.length;
+  }
+
+  drawIndices(mode, indices) {
+    const gl = this.gl;
+    gl.bindVertexArray(indices.array);
+    gl.drawElements(mode, indices.count, gl.UNSIGNED_INT, 0);
+    gl.bindVertexArray(null);
+  }
+
+  // A texture with a texel for each point, in rows of 2048.
+  makeTexture(unit, format) {
+    const gl = this.gl;
+    const rows = Math.max(1, Math.ceil(this.layout.count / ROW));
+    this.textures ??= {};
+    gl.deleteTexture(this.textures[unit] ?? null);
+    this.textures[unit] = gl.createTexture();
+    gl.activeTexture(gl.TEXTURE0 + unit);
+    gl.bindTexture(gl.TEXTURE_2D, this.textures[unit]);
+    gl.texStorage2D(gl.TEXTURE_2D, 1, format, ROW, rows);
+    for (const side of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) {
+      gl.texParameteri(gl.TEXTURE_2D, side, gl.NEAREST);
+    }
+    gl.activeTexture(gl.TEXTURE0);
+  }
+
+  // Fills whole rows of a texture, then the rest.
+  fillTexture(unit, [format, type], numbers, each) {
+    const gl = this.gl;
+    gl.activeTexture(gl.TEXTURE0 + unit);
+    const [rows, rest] = [Math.floor(this.layout.count / ROW), this.layout.count % ROW];
+    const put = (row, width, height) => {
+      if (width * height === 0) return;
+      const part = numbers.subarray(each * row * ROW);
+      gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, row, width, height, format, type, part);
+    };
+    put(0, ROW, rows);
+    put(rows, rest, 1);
+    gl.activeTexture(gl.TEXTURE0);
+  }
+
+  makeShadow() {
+    const gl = this.gl;
+    this.depth = gl.createTexture();
+    gl.bindTexture(gl.TEXTURE_2D, this.depth);
+    gl.texStorage2D(gl.TEXTURE_2D, 1, gl.DEPTH_COMPONENT24, SHADOW, SHADOW);
+    for (const side of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) {
+      gl.texParameteri(gl.TEXTURE_2D, side, gl.NEAREST);
+    }
+    for (const side of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) {
+      gl.texParameteri(gl.TEXTURE_2D, side, gl.CLAMP_TO_EDGE);
+    }
+    this.shadow = gl.createFramebuffer();
+    gl.bindFramebuffer(gl.FRAMEBUFFER, this.shadow);
+    gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.TEXTURE_2D, this.depth, 0);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+  }
+
+  setLayout(layout) {
+    const gl = this.gl;
+    this.layout = layout;
+    this.frame = null;
+    const { count, counts, radii, triangles } = layout;
+    const colors = new Uint8Array(4 * count);
+    const ribbons = new Uint32Array(2 * count + counts.length);
+    const lines = new Uint32Array(count + counts.length);
+    let [point, ribbon, line] = [0, 0, 0];
+    counts.forEach((own, strand) => {
+      for (let k = 0; k < own; k++, point++) {
+        for (let c = 0; c < 3; c++) colors[4 * point + c] = layout.colors[4 * strand + c];
+        colors[4 * point + 3] = (k === 0 ? 1 : 0) + (k === own - 1 ? 2 : 0);
+        ribbons[ribbon++] = 2 * point;
+        ribbons[ribbon++] = 2 * point + 1;
+        // A shadow needs not every point of a hair.
+        if (layout.springs || k % 2 === 0 || k === own - 1) lines[line++] = point;
+      }
+      // The largest number begins anew.
+      ribbons[ribbon++] = lines[line++] = 0xffffffff;
+    });
+    this.fillIndices(this.ribbons, ribbons);
+    this.fillIndices(this.lines, lines.subarray(0, line));
+    this.fillIndices(this.cloth, triangles);
+    this.makeTexture(POINTS, gl.RGBA16UI);
+    this.makeTexture(COLORS, gl.RGBA8UI);
+    this.fillTexture(COLORS, [gl.RGBA_INTEGER, gl.UNSIGNED_BYTE], colors, 4);
+    this.makeTexture(RADII, gl.R32F);
+    this.fillTexture(RADII, [gl.RED, gl.FLOAT], radii, 1);
+    for (const object of this.objects) {
+      gl.deleteBuffer(object.buffer);
+      gl.deleteVertexArray(object.array);
+    }
+    this.objects = layout.objects.map((object) => this.makeObject(object));
+  }
+
+  makeObject({ places, corners }) {
+    const gl = this.gl;
+    const [array, buffer] = [gl.createVertexArray(), gl.createBuffer()];
+    gl.bindVertexArray(array);
+    gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
+    gl.bufferData(gl.ARRAY_BUFFER, shaded(places, corners), gl.STATIC_DRAW);
+    gl.vertexAttribPointer(0, 3, gl.FLOAT, false, 24, 0);
+    gl.vertexAttribPointer(1, 3, gl.FLOAT, false, 24, 12);
+    [0, 1].forEach((k) => gl.enableVertexAttribArray(k));
+    gl.bindVertexArray(null);
+    return { array, buffer, count: corners.length, corners: corners8(places) };
+  }
+
+  setFrame(frame) {
+    if (!this.layout || frame.layout !== this.layout.number) return false;
+    const gl = this.gl;
+    this.frame = frame;
+    this.most = [0, 0, 0];
+    for (let k = 0; k < 4 * frame.count; k += 4) {
+      for (let axis = 0; axis < 3; axis++) {
+        if (frame.points[k + axis] > this.most[axis]) this.most[axis] = frame.points[k + axis];
+      }
+    }
+    this.fillTexture(POINTS, [gl.RGBA_INTEGER, gl.UNSIGNED_SHORT], frame.points, 4);
+    return true;
+  }
+
+  // Place of a point of the frame, m.
+  place(point) {
+    const { points, origin, unit: step } = this.frame;
+    return origin.map((x, k) => x + step * points[4 * point + k]);
+  }
+
+  // The box of all points, and of objects that are not much larger.
+  box() {
+    const { origin, unit: step, count } = this.frame;
+    const low = count > 0 ? [...origin] : [-1, -1, -1];
+    const high = count > 0 ? origin.map((x, k) => x + step * this.most[k]) : [1, 1, 1];
+    const fibers = Math.max(norm(sub(high, low)), 1e-6);
+    this.objects.forEach(({ corners }, index) => {
+      const at = this.pose(index, [0, 0, 0]);
+      const put = ([x, y, z]) => [0, 1, 2].map((row) => (
+        at[12 + row] + at[row] * x + at[4 + row] * y + at[8 + row] * z));
+      const all = corners.map(put);
+      if (norm(sub(all[0], all[7])) > 2.5 * fibers) return;
+      for (const place of all) {
+        for (let k = 0; k < 3; k++) {
+          low[k] = Math.min(low[k], place[k]);
+          high[k] = Math.max(high[k], place[k]);
+        }
+      }
+    });
+    return [low, high];
+  }
+
+  // The pose of an object, relative to a place.
+  pose(index, from) {
+    const p = this.frame.poses.subarray(7 * index, 7 * index + 7);
+    return pose(sub([p[0], p[1], p[2]], from), [p[3], p[4], p[5], p[6]]);
+  }
+
+  // Draws all; `look` says how: coloring, thickness, shadows, surfaces, marks, background, object.
+  draw(camera, look) {
+    const gl = this.gl;
+    const { width, height } = this.canvas;
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    gl.viewport(0, 0, width, height);
+    gl.clearColor(...look.background, 1);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    if (!this.frame) return;
+    const seen = camera.matrices(width / height);
+    const { right, up, back } = seen.axes;
+    const toLight = unit(add(add(scale(right, -0.55), scale(up, 0.9)), scale(back, 0.75)));
+    const shadow = look.shadows ? this.drawShadow(camera, toLight) : null;
+    const common = {
+      uClip: seen.clip,
+      uEye: seen.eye,
+      uLight: toLight,
+      uOrigin: sub(this.frame.origin, camera.target),
+      uUnit: this.frame.unit,
+      uShadowClip: shadow?.clip ?? seen.clip,
+      uShadowLook: shadow?.look ?? [0, 1, 1],
+      uColoring: look.coloring,
+      uRange: [this.frame.low, this.frame.high],
+    };
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    gl.viewport(0, 0, width, height);
+    gl.enable(gl.DEPTH_TEST);
+    gl.bindTexture(gl.TEXTURE_2D, this.depth);
+    this.drawObjects(common, camera.target, look.object);
+    this.use(this.layout.springs ? "fiber" : "hair", {
+      ...common,
+      uPixel: (2 * seen.tangent) / height,
+      uThickness: look.thickness,
+      uThinnest: 0.55 * look.density,
+      uRoundness: this.layout.springs ? 0.9 : 0.35,
+    });
+    this.drawIndices(gl.TRIANGLE_STRIP, this.ribbons);
+    if (look.surfaces && this.layout.triangles.length > 0) this.drawCloth(common, look.cloth);
+    this.drawMarks(common, camera.target, look);
+  }
+
+  drawObjects(common, from, own) {
+    const gl = this.gl;
+    if (this.objects.length === 0) return;
+    this.use("mesh", { ...common, uOwn: own });
+    this.objects.forEach(({ array, count }, index) => {
+      this.put("mesh", "uPose", this.pose(index, from));
+      gl.bindVertexArray(array);
+      gl.drawArrays(gl.TRIANGLES, 0, count);
+    });
+    gl.bindVertexArray(null);
+  }
+
+  drawCloth(common, own) {
+    const gl = this.gl;
+    this.use("cloth", { ...common, uOwn: own });
+    gl.enable(gl.BLEND);
+    gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
+    gl.depthMask(false);
+    this.drawIndices(gl.TRIANGLES, this.cloth);
+    gl.depthMask(true);
+    gl.disable(gl.BLEND);
+  }
+
+  // What is fixed, what is held, and the way from there to the hand.
+  drawMarks(common, from, look) {
+    const gl = this.gl;
+    const [dots, lines] = [[], []];
+    const put = (list, place, color) => list.push(...sub(place, from), ...color, 1);
+    const { springs, supports } = this.layout;
+    // Roots of hair are many, and seen to be in the skin.
+    const few = springs || supports.length < 2 * MOST_ROOTS;
+    for (let k = 0; few && k < supports.length; k += 2) put(dots, this.place(supports[k]), look.fixed);
+    for (const { point, to } of look.hands) {
+      const place = this.place(point);
+      put(dots, place, look.held);
+      if (to) [place, to].forEach((end) => put(lines, end, look.held));
+    }
+    if (look.ground !== null) this.grid(look.ground, (end) => put(lines, end, look.grid));
+    this.use("mark", { uClip: common.uClip, uSize: (springs ? 11 : 7) * look.density });
+    gl.bindVertexArray(this.marking);
+    for (const [list, mode] of [[lines, gl.LINES], [dots, gl.POINTS]]) {
+      this.put("mark", "uRound", mode === gl.POINTS ? 1 : 0);
+      gl.bindBuffer(gl.ARRAY_BUFFER, this.marks);
+      gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(list), gl.STREAM_DRAW);
+      gl.drawArrays(mode, 0, list.length / 7);
+    }
+    gl.bindVertexArray(null);
+  }
+
+  // Ends of the lines of a level ground under all that is shown.
+  grid(height, put) {
+    const [low, high] = this.box();
+    const middle = scale(add(low, high), 0.5);
+    const half = Math.max(...sub(high, low));
+    for (let k = -5; k <= 5; k++) {
+      const at = (k / 5) * half;
+      for (const [x, y] of [[at, -half], [at, half], [-half, at], [half, at]]) {
+        put([middle[0] + x, middle[1] + y, height]);
+      }
+    }
+  }
+
+  // Depths as the light sees them. Light fades behind fibres, so that many look like a volume.
+  drawShadow(camera, toLight) {
+    const gl = this.gl;
+    const [low, high] = this.box();
+    const middle = sub(scale(add(low, high), 0.5), camera.target);
+    const radius = 0.5 * norm(sub(high, low)) + 1e-6;
+    const side = unit([-toLight[1], toLight[0], Math.abs(toLight[2]) > 0.99 ? 1 : 0]);
+    const up = [
+      toLight[1] * side[2] - toLight[2] * side[1],
+      toLight[2] * side[0] - toLight[0] * side[2],
+      toLight[0] * side[1] - toLight[1] * side[0],
+    ];
+    const place = add(middle, scale(toLight, 2 * radius));
+    const clip = multiply(orthographic(radius, radius, 3 * radius), view(side, up, toLight, place));
+    gl.bindFramebuffer(gl.FRAMEBUFFER, this.shadow);
+    gl.viewport(0, 0, SHADOW, SHADOW);
+    gl.clear(gl.DEPTH_BUFFER_BIT);
+    gl.enable(gl.DEPTH_TEST);
+    gl.bindTexture(gl.TEXTURE_2D, null);
+    const dark = { uShadowLook: [0, 1, 1], uLight: toLight, uEye: [0, 0, 0], uShadowClip: clip };
+    this.drawObjects({ uClip: clip, ...dark }, camera.target, [0, 0, 0]);
+    const origin = sub(this.frame.origin, camera.target);
+    this.use("fiberShadow", { uClip: clip, uOrigin: origin, uUnit: this.frame.unit });
+    this.drawIndices(gl.LINE_STRIP, this.lines);
+    return { clip, look: [1, 2 * radius, 0.09 * radius] };
+  }
+
+  use(name, values) {
+    this.gl.useProgram(this.programs[name].program);
+    for (const [uniform, unit_] of Object.entries(UNITS)) this.put(name, uniform, unit_);
+    for (const [uniform, value] of Object.entries(values)) this.put(name, uniform, value);
+  }
+
+  put(name, uniform, value) {
+    const gl = this.gl;
+    const found = this.programs[name].uniforms[uniform];
+    if (!found) return;
+    const { at, type } = found;
+    if (type === gl.FLOAT_MAT4) gl.uniformMatrix4fv(at, false, value);
+    else if (type === gl.FLOAT_VEC3) gl.uniform3fv(at, value);
+    else if (type === gl.FLOAT_VEC2) gl.uniform2fv(at, value);
+    else if (type !== gl.FLOAT) gl.uniform1i(at, value);
+    else gl.uniform1f(at, value);
+  }
+}
+
+// The eight corners of the box of places.
+function corners8(places) {
+  const [low, high] = [[Infinity, Infinity, Infinity], [-Infinity, -Infinity, -Infinity]];
+  for (let k = 0; k < places.length; k++) {
+    low[k % 3] = Math.min(low[k % 3], places[k]);
+    high[k % 3] = Math.max(high[k % 3], places[k]);
+  }
+  const corner = (bits) => [0, 1, 2].map((axis) => ((bits >> axis) & 1 ? high : low)[axis]);
+  return [0, 1, 2, 3, 4, 5, 6, 7].map(corner);
+}
+
+function build(gl, code) {
+  const program = gl.createProgram();
+  for (const [kind, text] of [[gl.VERTEX_SHADER, code.vertex], [gl.FRAGMENT_SHADER, code.fragment]]) {
+    const shader = gl.createShader(kind);
+    gl.shaderSource(shader, text);
+    gl.compileShader(shader);
+    if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) {
+      throw new Error(gl.getShaderInfoLog(shader) || "a shader is not understood");
+    }
+    gl.attachShader(program, shader);
+  }
+  gl.linkProgram(program);
+  if (!gl.getProgramParameter(program, gl.LINK_STATUS)) {
+    throw new Error(gl.getProgramInfoLog(program) || "a program is not understood");
+  }
+  const uniforms = {};
+  const count = gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS);
+  for (let k = 0; k < count; k++) {
+    const { name, type } = gl.getActiveUniform(program, k);
+    uniforms[name] = { at: gl.getUniformLocation(program, name), type };
+  }
+  return { program, uniforms };
+}
+

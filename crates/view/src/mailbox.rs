@@ -1,0 +1,181 @@
+//! What is on its way to one page: bounded, the newest in place of what has not been sent yet.
+
+use std::collections::VecDeque;
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+/// Frames that a page may have been sent without having said that it drew them.
+const AHEAD: u32 = 2;
+/// Notes that wait at most; the oldest is left out.
+const MOST_NOTES: usize = 16;
+
+/// Something that is sent.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) enum Letter {
+    Text(Arc<str>),
+    Bytes(Arc<[u8]>),
+    /// Nothing came for a while: time to ask whether the page is still there.
+    Nothing,
+    /// No more will come.
+    End,
+}
+
+/// What has not been sent yet.
+#[derive(Debug, Default)]
+struct Mail {
+    /// What is shown: its title, sliders and so on.
+    about: Option<Arc<str>>,
+    /// What does not change from frame to frame.
+    layout: Option<Arc<[u8]>>,
+    state: Option<Arc<str>>,
+    frame: Option<Arc<[u8]>>,
+    notes: VecDeque<Arc<str>>,
+    /// Frames sent, less those that the page has drawn.
+    ahead: u32,
+    ended: bool,
+}
+
+/// The letters to one page.
+#[derive(Debug, Default)]
+pub(crate) struct Mailbox {
+    mail: Mutex<Mail>,
+    news: Condvar,
+}
+
+impl Mailbox {
+    fn mail(&self) -> MutexGuard<'_, Mail> {
+        self.mail.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn change(&self, with: impl FnOnce(&mut Mail)) {
+        with(&mut self.mail());
+        self.news.notify_one();
+    }
+
+    pub(crate) fn put_about(&self, about: &Arc<str>) {
+        self.change(|mail| mail.about = Some(Arc::clone(about)));
+    }
+
+    /// Puts another layout; frames of the one before fit it no more.
+    pub(crate) fn put_layout(&self, layout: &Arc<[u8]>) {
+        self.change(|mail| {
+            mail.layout = Some(Arc::clone(layout));
+            mail.frame = None;
+        });
+    }
+
+    pub(crate) fn put_state(&self, state: &Arc<str>) {
+        self.change(|mail| mail.state = Some(Arc::clone(state)));
+    }
+
+    pub(crate) fn put_frame(&self, frame: &Arc<[u8]>) {
+        self.change(|mail| mail.frame = Some(Arc::clone(frame)));
+    }
+
+    pub(crate) fn put_note(&self, note: &Arc<str>) {
+        self.change(|mail| {
+            if mail.notes.len() == MOST_NOTES {
+                mail.notes.pop_front();
+            }
+            mail.notes.push_back(Arc::clone(note));
+        });
+    }
+
+    /// Whether a frame put now would soon be sent.
+    pub(crate) fn wants_frame(&self) -> bool {
+        let mail = self.mail();
+        mail.frame.is_none() && mail.ahead < AHEAD
+    }
+
+    /// Takes note that the page has drawn a frame.
+    pub(crate) fn drawn(&self) {
+        self.change(|mail| mail.ahead = mail.ahead.saturating_sub(1));
+    }
+
+    /// Ends all sending.
+    pub(crate) fn end(&self) {
+        self.change(|mail| mail.ended = true);
+    }
+
+    /// The next letter, waiting for one as long as `patience`.
+    pub(crate) fn next(&self, patience: Duration) -> Letter {
+        let is_empty = |mail: &mut Mail| {
+            let frame = mail.frame.is_some() && mail.ahead < AHEAD;
+            let texts = mail.about.is_some() || mail.state.is_some() || !mail.notes.is_empty();
+            !(mail.ended || texts || frame || mail.layout.is_some())
+        };
+        let waited = self.news.wait_timeout_while(self.mail(), patience, is_empty);
+        let (mut mail, _) = waited.unwrap_or_else(PoisonError::into_inner);
+        if mail.ended {
+            return Letter::End;
+        }
+        let notes = &mut mail.notes;
+        if let Some(text) = notes.pop_front() {
+            return Letter::Text(text);
+        }
+        if let Some(text) = mail.about.take() {
+            return Letter::Text(text);
+        }
+        if let Some(bytes) = mail.layout.take() {
+            return Letter::Bytes(bytes);
+        }
+        if let Some(text) = mail.state.take() {
+            return Letter::Text(text);
+        }
+        if mail.ahead < AHEAD
+            && let Some(bytes) = mail.frame.take()
+        {
+            mail.ahead += 1;
+            return Letter::Bytes(bytes);
+        }
+        Letter::Nothing
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn bytes(of: u8) -> Arc<[u8]> {
+        Arc::from([of].as_slice())
+    }
+
+    #[test]
+    fn a_page_that_draws_nothing_gets_two_frames_and_then_the_newest() {
+        let (mailbox, soon) = (Mailbox::default(), Duration::from_millis(1));
+        for number in [1, 2] {
+            assert!(mailbox.wants_frame());
+            mailbox.put_frame(&bytes(number));
+            assert_eq!(mailbox.next(soon), Letter::Bytes(bytes(number)));
+        }
+        assert!(!mailbox.wants_frame());
+        mailbox.put_frame(&bytes(5));
+        mailbox.put_frame(&bytes(6));
+        assert_eq!(mailbox.next(soon), Letter::Nothing);
+        mailbox.drawn();
+        assert_eq!(mailbox.next(soon), Letter::Bytes(bytes(6)));
+    }
+
+    #[test]
+    fn a_layout_comes_before_its_frames_and_without_those_of_another() {
+        let (mailbox, soon) = (Mailbox::default(), Duration::from_millis(1));
+        mailbox.put_frame(&bytes(1));
+        mailbox.put_layout(&bytes(2));
+        mailbox.put_frame(&bytes(3));
+        assert_eq!(mailbox.next(soon), Letter::Bytes(bytes(2)));
+        assert_eq!(mailbox.next(soon), Letter::Bytes(bytes(3)));
+    }
+
+    #[test]
+    fn notes_are_few() {
+        let mailbox = Mailbox::default();
+        for number in 0..100 {
+            mailbox.put_note(&Arc::from(number.to_string()));
+        }
+        let mut count = 0;
+        while mailbox.next(Duration::ZERO) != Letter::Nothing {
+            count += 1;
+        }
+        assert_eq!(count, MOST_NOTES);
+    }
+}

@@ -1,0 +1,90 @@
+//! What is shown.
+
+use crate::frame::Colors;
+use crate::live::Live;
+use crate::recorded::Recorded;
+use rapunzel_scene::style_from_ron;
+use rapunzel_sim::scene::SceneProblem;
+use rapunzel_sim::{Scene, SimError, read_text};
+use std::path::Path;
+
+/// What is shown.
+pub(crate) enum Showing {
+    /// The gallery, and nothing else yet.
+    Gallery,
+    Live(Box<Live>),
+    Recorded(Box<Recorded>),
+    /// What cannot be shown, and why.
+    Broken(Broken),
+}
+
+/// Why something cannot be shown.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Broken {
+    pub(crate) message: String,
+    /// What is wrong with a scene.
+    pub(crate) problems: Vec<SceneProblem>,
+}
+
+impl Showing {
+    /// Opens a scene, a run, a style or strands.
+    pub(crate) fn open(path: &Path) -> Self {
+        let opened = if is_text(path) { open_text(path) } else { open_recorded(path) };
+        opened.unwrap_or_else(|error| Self::Broken(Broken::of(&error)))
+    }
+
+    /// Builds a scene.
+    pub(crate) fn build(scene: Scene, folder: &Path) -> Self {
+        match Live::new(scene, folder) {
+            Ok(live) => Self::Live(Box::new(live)),
+            Err(error) => Self::Broken(Broken::of(&error)),
+        }
+    }
+
+    /// A new layout; none where nothing is shown.
+    pub(crate) fn layout(&self, number: u32) -> Option<Vec<u8>> {
+        match self {
+            Self::Live(live) => Some(live.layout(number)),
+            Self::Recorded(recorded) => Some(recorded.layout(number)),
+            Self::Gallery | Self::Broken(_) => None,
+        }
+    }
+
+    pub(crate) fn frame(&self, layout: u32, colors: &mut Colors) -> Option<Vec<u8>> {
+        match self {
+            Self::Live(live) => Some(live.frame(layout, colors)),
+            Self::Recorded(recorded) => Some(recorded.frame(layout, colors)),
+            Self::Gallery | Self::Broken(_) => None,
+        }
+    }
+}
+
+impl Broken {
+    pub(crate) fn of(error: &SimError) -> Self {
+        let problems = match error {
+            SimError::Scene(error) => error.problems.clone(),
+            _ => Vec::new(),
+        };
+        Self { message: error.to_string(), problems }
+    }
+}
+
+fn is_text(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("ron")) && !path.is_dir()
+}
+
+/// A scene runs; a style is shown as it has grown.
+fn open_text(path: &Path) -> Result<Showing, SimError> {
+    let text = read_text(path)?;
+    let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    let folder = whole.parent().unwrap_or(Path::new("."));
+    match Scene::from_ron(&text) {
+        Ok(scene) => Ok(Showing::Live(Box::new(Live::new(scene, folder)?))),
+        Err(_) if style_from_ron(&text).is_ok() => open_recorded(path),
+        Err(error) => Err(error.into()),
+    }
+}
+
+fn open_recorded(path: &Path) -> Result<Showing, SimError> {
+    Ok(Showing::Recorded(Box::new(Recorded::open(path)?)))
+}

@@ -1,0 +1,168 @@
+use rapunzel_view::{GalleryScene, Options, Server};
+use serde_json::Value;
+use std::io::{Read, Write};
+use std::net::TcpStream;
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+use tungstenite::client::IntoClientRequest;
+use tungstenite::{Message, WebSocket};
+
+/// As long as anything may take on a busy machine.
+pub(crate) const PATIENCE: Duration = Duration::from_secs(60);
+
+/// A rope of ten nodes.
+pub(crate) const ROPE: &str = "(
+    format: 1, name: \"A rope\", duration: 1.0, stepper: (dt: 4e-3),
+    mass_spring: (
+        model: Rope(nodes: 10, spacing: 0.05, direction: (0.0, 0.0, -1.0)),
+        mass: 0.01, frequency: 40.0, drag: 0.2, damping_ratio: 0.1, substeps: 4,
+    ),
+)";
+/// Three hairs that hang.
+pub(crate) const HAIRS: &str = "(
+    format: 1, name: \"Three hairs\", duration: 0.1, stepper: (dt: 1e-3),
+    fibers: [(
+        length: 0.1, segments: 20, section: Circle(radius: 4e-5), damping_time: 1e-3,
+        arrangement: EllipseAtDensity(semi_axes: (0.005, 0.005), density: 4e4),
+    )],
+    environment: (viscosity: 1.8e-5),
+    output: (frame_rate: 100.0),
+)";
+
+/// A server that is stopped when it is dropped.
+pub(crate) struct Served {
+    /// Host and port.
+    pub(crate) host: String,
+    pub(crate) url: String,
+    stop: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Served {
+    pub(crate) fn new(options: Options) -> Self {
+        let server = Server::listen(options).expect("a free port");
+        let (url, stop) = (server.url(), Arc::new(AtomicBool::new(false)));
+        let host = url.trim_start_matches("http://").split('/').next().expect("a host").to_owned();
+        let asked = Arc::clone(&stop);
+        let run = move || server.run(&|| asked.load(Ordering::Relaxed)).expect("threads");
+        Self { host, url, stop, thread: Some(thread::spawn(run)) }
+    }
+
+    /// A gallery of a rope and hairs.
+    pub(crate) fn gallery(folder: &Path) -> Self {
+        let scene = |name: &str, text: &str| GalleryScene { name: name.into(), text: text.into() };
+        let gallery = vec![scene("springs/rope", ROPE), scene("hairs", HAIRS)];
+        Self::new(Options { gallery, ..Options::local(folder.to_owned()) })
+    }
+
+    /// Stops the server and tells how long that took.
+    pub(crate) fn stop(&mut self) -> Duration {
+        let begin = Instant::now();
+        self.stop.store(true, Ordering::Relaxed);
+        if let Some(thread) = self.thread.take() {
+            thread.join().expect("no panic");
+        }
+        begin.elapsed()
+    }
+
+    /// The answer to a request as it stands, with head and body.
+    pub(crate) fn ask(&self, request: &str) -> String {
+        let mut stream = TcpStream::connect(&self.host).expect("a connection");
+        stream.set_read_timeout(Some(PATIENCE)).expect("a timeout");
+        stream.write_all(request.as_bytes()).expect("written");
+        let mut answer = Vec::new();
+        // A connection that is closed at once may be reset.
+        let _ = stream.read_to_end(&mut answer);
+        String::from_utf8_lossy(&answer).into_owned()
+    }
+
+    pub(crate) fn get(&self, path: &str) -> String {
+        self.ask(&format!("GET {path} HTTP/1.1\r\nHost: {}\r\n\r\n", self.host))
+    }
+
+    /// A page without a browser.
+    pub(crate) fn page(&self) -> Client {
+        Client::new(&self.host).expect("a socket")
+    }
+}
+
+impl Drop for Served {
+    fn drop(&mut self) {
+        self.stop();
+    }
+}
+
+/// A page without a browser.
+pub(crate) struct Client {
+    pub(crate) socket: WebSocket<TcpStream>,
+    /// The last layout and frame.
+    pub(crate) layout: Vec<u8>,
+    pub(crate) frame: Vec<u8>,
+}
+
+impl Client {
+    pub(crate) fn new(host: &str) -> Option<Self> {
+        let stream = TcpStream::connect(host).ok()?;
+        stream.set_read_timeout(Some(PATIENCE)).ok()?;
+        let mut request = format!("ws://{host}/socket").into_client_request().ok()?;
+        request.headers_mut().insert("Origin", format!("http://{host}").parse().ok()?);
+        let (socket, _) = tungstenite::client(request, stream).ok()?;
+        Some(Self { socket, layout: Vec::new(), frame: Vec::new() })
+    }
+
+    pub(crate) fn order(&mut self, order: &str) {
+        self.socket.send(Message::text(order)).expect("sent");
+    }
+
+    /// The next text, having drawn all frames before it.
+    pub(crate) fn text(&mut self) -> Option<Value> {
+        let begin = Instant::now();
+        loop {
+            assert!(begin.elapsed() < PATIENCE, "the server says nothing");
+            match self.socket.read().ok()? {
+                Message::Text(text) => return serde_json::from_str(&text).ok(),
+                Message::Binary(bytes) if bytes.starts_with(b"RPF1") => {
+                    self.frame = bytes.to_vec();
+                    self.order(r#"{"do":"drawn"}"#);
+                }
+                Message::Binary(bytes) => self.layout = bytes.to_vec(),
+                Message::Close(_) => return None,
+                _ => {}
+            }
+        }
+    }
+
+    /// The next text of a kind for which something holds.
+    pub(crate) fn wait(&mut self, is: &str, that: impl Fn(&Value) -> bool) -> Value {
+        let begin = Instant::now();
+        loop {
+            let text = self.text().expect("the connection holds");
+            if text["is"] == is && that(&text) {
+                return text;
+            }
+            assert!(begin.elapsed() < PATIENCE, "no {is} came that is as expected: {text}");
+        }
+    }
+
+    /// Waits for a scene that is named so.
+    pub(crate) fn open(&mut self, name: &str) -> Value {
+        self.order(&format!(r#"{{"do":"open","name":"{name}"}}"#));
+        self.wait("about", |about| about["kind"] == "live" && about["title"] == name)
+    }
+
+    /// Position of a point of the last frame, m, and to what it is right.
+    pub(crate) fn position(&self, point: usize) -> ([f64; 3], f64) {
+        let number =
+            |at: usize| f64::from_le_bytes(self.frame[at..at + 8].try_into().expect("eight bytes"));
+        let unit = number(48);
+        let axis = |axis: usize| {
+            let at = 80 + 8 * point + 2 * axis;
+            let of = u16::from_le_bytes([self.frame[at], self.frame[at + 1]]);
+            number(24 + 8 * axis) + unit * f64::from(of)
+        };
+        ([0, 1, 2].map(axis), 0.5 * unit)
+    }
+}
