@@ -58,6 +58,10 @@ pub(crate) struct ContactPoint {
     pub(crate) gap: f64,
     /// Impulse on the first side, N s, world.
     pub(crate) impulse: Vector3<f64>,
+    /// How far the first side has slipped, against the law, from where it stuck, m, world.
+    pub(crate) drift: Vector3<f64>,
+    /// Whether it has not slid in the last step.
+    pub(crate) rests: bool,
     /// Whether it has borne something, or would have closed, in this step.
     pub(crate) working: bool,
     /// Whether a bond holds it together.
@@ -325,6 +329,8 @@ mod tests {
             radii: [0.0; 2],
             gap,
             impulse: Vector3::zeros(),
+            drift: Vector3::zeros(),
+            rests: false,
             working: false,
             bonded: false,
             kinematic: false,

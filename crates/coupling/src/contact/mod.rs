@@ -41,6 +41,7 @@ mod detection;
 mod fiber_contacts;
 mod forcing_term;
 mod group_body;
+mod held_places;
 mod in_contact;
 mod initial_overlaps;
 mod laws;
@@ -59,6 +60,9 @@ mod velocities;
 mod warm_start;
 
 pub use contact_work::ContactWork;
+#[cfg(test)]
+pub(crate) use held_places::HeldPlace;
+pub(crate) use held_places::HeldPlaces;
 pub use in_contact::FibersInContact;
 pub use separation::{Separation, separate};
 pub use warm_start::ActiveContact;
