@@ -30,6 +30,9 @@
 //! Objects are kinematic (they follow a given motion) or move freely (`free_body`): then they are
 //! bodies of the solver as the fibres are, and touch other objects too (`pair`).
 //!
+//! Where fibres rest on objects, contacts stay where they are (`held_places`), and what slips there
+//! against the law goes back in the next step: what friction holds does not creep.
+//!
 //! Contacts act at the surfaces of fibres: an impulse has a moment about the axis, and the slip is
 //! that of surfaces, spin included. A fibre without a clamp, which nothing keeps from spinning, is
 //! touched on its axis: it would turn many times in a step, which directors do not follow.

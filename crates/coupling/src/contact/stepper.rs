@@ -238,7 +238,7 @@ impl ContactStepper {
             through = found.through;
             let mut laps = PhaseTimer::start(self.stopwatch);
             let mean = system.fibers.mean_velocities();
-            part.work = case.work(system, &mean, dt);
+            part.work = case.work(system, &mean, dt, self.settings.slip);
             laps.lap(&mut self.times.laws);
             let report = &mut part.report.contact;
             (report.listed, report.active) = (case.points().len(), case.active());

@@ -318,6 +318,14 @@ mod tests {
         }
     }
 
+    #[test]
+    fn saved_contacts_come_back() {
+        for rests in [false, true] {
+            let one = CachedImpulse { rests, ..remembered(2.5, 3.0, !rests) };
+            assert_eq!(CachedImpulse::from_numbers(&one.numbers()), one);
+        }
+    }
+
     /// Two of three go to the only contact point that is left near them, one is too far from any.
     #[test]
     fn impulses_of_touches_that_are_gone_go_to_their_neighbours() {
@@ -327,5 +335,7 @@ mod tests {
         match_cached(&ExpectedImpulses { known: &known, scale: 2.0 }, &mut points);
         assert_eq!(points.map(|point| point.impulse.z), [6.0, 0.0]);
         assert_eq!(points.map(|point| point.bonded), [true, false]);
+        // They drifted by their places, and the second bore twice as much.
+        assert!((points[0].drift.x - 7.0 / 3.0).abs() < 1e-15 && points[1].drift.x == 0.0);
     }
 }
