@@ -68,6 +68,21 @@ impl Violation {
     }
 }
 
+impl Violation {
+    /// The part of a slip that the friction does not allow, m/s along the two tangents, with the
+    /// arguments of [`Violation::new`]: all of it while the friction is within its limit and could
+    /// hold it back, none of it while a contact slides by the law.
+    #[must_use]
+    pub fn forbidden_slip(
+        contact: &Contact,
+        velocity: &Vector3<f64>,
+        impulse: &Vector3<f64>,
+        weight: f64,
+    ) -> Vector2<f64> {
+        missing(contact, velocity, impulse, weight) / weight
+    }
+}
+
 /// [`Violation::slip`]: zero, too, where a contact opens and bears nothing.
 fn slip_error(
     contact: &Contact,

@@ -58,6 +58,10 @@ pub(crate) struct ContactPoint {
     pub(crate) gap: f64,
     /// Impulse on the first side, N s, world.
     pub(crate) impulse: Vector3<f64>,
+    /// How far the first side has slipped, against the law, from where it stuck, m, world.
+    pub(crate) drift: Vector3<f64>,
+    /// Whether it has not slid in the last step.
+    pub(crate) rests: bool,
     /// Whether it has borne something, or would have closed, in this step.
     pub(crate) working: bool,
     /// Whether a bond holds it together.
@@ -139,6 +143,13 @@ impl ContactPoint {
                 self.arms[other] -= lever;
             }
         }
+    }
+
+    /// How fast it has drifted in a step of `dt` seconds, m/s, world, if that is to be undone: where
+    /// it is more than half of a `slip`, m/s. What is less is let be, and adds up.
+    pub(crate) fn undone(&self, dt: f64, slip: f64) -> Vector3<f64> {
+        let velocity = self.drift / dt;
+        if velocity.norm() > 0.5 * slip { velocity } else { Vector3::zeros() }
     }
 
     /// Mean velocity of the second side's surface over the step if that is kinematic, else zero,
@@ -325,6 +336,8 @@ mod tests {
             radii: [0.0; 2],
             gap,
             impulse: Vector3::zeros(),
+            drift: Vector3::zeros(),
+            rests: false,
             working: false,
             bonded: false,
             kinematic: false,

@@ -27,6 +27,10 @@ pub struct ContactReport {
     pub normal_error: f64,
     /// Largest slip that the friction does not allow, m/s.
     pub slip_error: f64,
+    /// Largest velocity with which a contact that sticks has moved, m/s: within a step; what it
+    /// goes in one it is asked to go back in the next.
+    #[serde(default)]
+    pub creep: f64,
     /// Deepest penetration that a step left, m, beside what has given way by its compliance.
     pub depth: f64,
 }
@@ -64,6 +68,7 @@ impl ContactReport {
         self.residual = self.residual.max(other.residual);
         self.normal_error = self.normal_error.max(other.normal_error);
         self.slip_error = self.slip_error.max(other.slip_error);
+        self.creep = self.creep.max(other.creep);
         self.depth = self.depth.max(other.depth);
     }
 }

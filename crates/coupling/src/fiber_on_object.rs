@@ -1,6 +1,7 @@
 //! Where a fibre touches an object, and where it would have passed into it.
 
 use crate::TimeInterval;
+use crate::contact::HeldPlaces;
 use crate::contact_point::{BodyRef, ContactPoint};
 use crate::object::{CollisionObject, ObjectMotion};
 use nalgebra::{Point3, Vector3};
@@ -22,6 +23,8 @@ pub(crate) struct MovingFiber<'a> {
     pub(crate) radii: &'a [f64],
     /// The first segment that can touch: not the one that grows out of the object.
     pub(crate) first: usize,
+    /// Where it rests on the object.
+    pub(crate) held: HeldPlaces<'a>,
 }
 
 /// The contacts beside the deepest one of a segment: as it turns it rolls on to them.
@@ -135,8 +138,11 @@ impl CollisionObject {
                 if known || is_even(&contacts, ends, &field, &capsule) {
                     contacts.clear();
                     contacts.extend(at_ends(ends, &field, &capsule, margin));
-                } else if let [deepest] = contacts[..] {
-                    contacts.extend(beside(&deepest, &field, &capsule, margin));
+                } else {
+                    strand.held.keep(s, &field, &capsule, &mut contacts);
+                    if let [deepest] = contacts[..] {
+                        contacts.extend(beside(&deepest, &field, &capsule, margin));
+                    }
                 }
             }
             for contact in contacts.iter().filter(|c| c.normal != Vector3::zeros()) {
@@ -159,6 +165,8 @@ impl CollisionObject {
                     radii: [radius, 0.0],
                     gap: contact.gap,
                     impulse: Vector3::zeros(),
+                    drift: Vector3::zeros(),
+                    rests: false,
                     working: false,
                     bonded: false,
                     kinematic: !self.is_free(),
@@ -200,6 +208,7 @@ impl CollisionObject {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::contact::HeldPlace;
     use crate::object::{Field, ObjectGeometry};
     use nalgebra::Isometry3;
     use proptest::prelude::*;
@@ -207,18 +216,19 @@ mod tests {
     use std::sync::Arc;
 
     const RADIUS: f64 = 3.5e-5;
+    const LENGTH: f64 = 3e-3;
 
     /// The contact points of one segment, 3 mm long, whose ends have these gaps above the top of a
     /// shape.
-    fn contact_points(field: Field, gaps: [f64; 2]) -> Vec<ContactPoint> {
+    fn contact_points(field: Field, gaps: [f64; 2], held: HeldPlaces) -> Vec<ContactPoint> {
         let surface = Soup { vertices: Vec::new(), triangles: Vec::new() };
         let geometry = ObjectGeometry { field, edge_capsules: Vec::new(), surface, endless: true };
         let rests = ObjectMotion::Kinematic(Box::new(|_| Isometry3::identity()));
         let object = CollisionObject::new(geometry, rests, None, None);
         let [a, b] = gaps.map(|gap| RADIUS + gap);
-        let nodes = [Point3::new(-1.5e-3, 0.0, a), Point3::new(1.5e-3, 0.0, b)];
+        let nodes = [Point3::new(-0.5 * LENGTH, 0.0, a), Point3::new(0.5 * LENGTH, 0.0, b)];
         let strand =
-            MovingFiber { fiber: 0, start: &nodes, end: &nodes, radii: &[RADIUS], first: 0 };
+            MovingFiber { fiber: 0, start: &nodes, end: &nodes, radii: &[RADIUS], first: 0, held };
         let mut found = Vec::new();
         object.contact_points(
             0,
@@ -242,7 +252,7 @@ mod tests {
             turned: bool,
         ) {
             let gaps = if turned { [gaps.1, gaps.0] } else { [gaps.0, gaps.1] };
-            let found = contact_points(plane(), gaps);
+            let found = contact_points(plane(), gaps, HeldPlaces::default());
             let ends = [0.0, 1.0].into_iter().zip(gaps).filter(|(_, gap)| *gap <= RADIUS);
             let ends: Vec<_> = ends.collect();
             prop_assert_eq!(found.len(), ends.len());
@@ -257,9 +267,30 @@ mod tests {
     #[test]
     fn a_segment_touches_a_ball_where_it_is_deepest() {
         let ball = Ball { center: Point3::origin(), radius: 0.1 };
-        let found = contact_points(Arc::new(ball), [0.1; 2]);
+        let found = contact_points(Arc::new(ball), [0.1; 2], HeldPlaces::default());
         let places: Vec<_> = found.iter().map(|point| point.fractions[0]).collect();
         assert_eq!(places.len(), 3, "{places:?}");
         assert!(places.iter().any(|place| (place - 0.5).abs() < 0.05), "{places:?}");
+    }
+
+    /// A place where it rests stays its contact until it is deeper elsewhere by more than the
+    /// slack, and others are beside that.
+    #[test]
+    fn a_segment_touches_where_it_rests() {
+        let radius = 0.1;
+        let touches = |fraction: f64, slack: f64| {
+            let ball = Ball { center: Point3::new(0.0, 0.0, -radius), radius };
+            let places = [HeldPlace { pair: [0, 0], at: fraction }];
+            let held = HeldPlaces { places: &places, slack };
+            let found = contact_points(Arc::new(ball), [0.0; 2], held);
+            let mut places: Vec<_> = found.iter().map(|point| point.fractions[0]).collect();
+            places.sort_by(f64::total_cmp);
+            places
+        };
+        // There it is this much higher than at the middle, where it is deepest.
+        let higher = (0.05 * LENGTH).powi(2) / (2.0 * radius);
+        assert_eq!(touches(0.45, 1.01 * higher), [0.45 - ROLL, 0.45, 0.45 + ROLL]);
+        let [_, middle, _] = touches(0.45, 0.99 * higher)[..] else { panic!("three contacts") };
+        assert!((middle - 0.5).abs() < 1e-3, "{middle}");
     }
 }

@@ -206,6 +206,8 @@ impl PairStep<'_> {
             radii: [0.0; 2],
             gap,
             impulse: Vector3::zeros(),
+            drift: Vector3::zeros(),
+            rests: false,
             working: false,
             bonded: false,
             kinematic: !self.pair.0[1].is_free(),

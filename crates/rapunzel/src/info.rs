@@ -65,8 +65,12 @@ pub(crate) fn report(summary: &Summary, running: bool) -> String {
         ));
         lines.push(format!(
             "  errors      Coulomb residual {:.1e}, normal velocity {:.1e} m/s, slip {:.1e} m/s, \
-             penetration {:.1e} m, all at most",
-            contact.residual, contact.normal_error, contact.slip_error, contact.depth
+             creep {:.1e} m/s, penetration {:.1e} m, all at most",
+            contact.residual,
+            contact.normal_error,
+            contact.slip_error,
+            contact.creep,
+            contact.depth
         ));
         if contact.unresolved > 0 {
             lines.push(format!(

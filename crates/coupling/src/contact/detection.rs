@@ -1,6 +1,7 @@
 //! Who touches whom at the end of a step, and whom they would have passed through.
 
 use super::fiber_contacts::{fiber_number, fiber_rank, fibers, put_together, same_fibers};
+use super::held_places::HeldPlaces;
 use super::pair_lists::{DETECTION_CHUNK, by_fibers, of_overlapping, sort};
 use super::tunnelling::{bends, goes_on, keep_sides, leads_through};
 use crate::TimeInterval;
@@ -97,14 +98,16 @@ impl ContactDetector {
 
     /// Replaces `points` by all contact points of a motion, with their places and normals at its
     /// end, sorted by pair and place; none is missed that a straight motion of all nodes would lead
-    /// through.
+    /// through. Fibres touch objects where they are `held`.
     pub(crate) fn detect(
         &mut self,
         motion: &NodeMotion,
         objects: &[CollisionObject],
+        held: &HeldPlaces,
         points: &mut Vec<ContactPoint>,
     ) -> Result<(), CollisionError> {
-        self.list(motion, objects, self.margin + self.more, |_, near, _| near, points).map(|_| ())
+        let margin = self.margin + self.more;
+        self.list(motion, objects, held, margin, |_, near, _| near, points).map(|_| ())
     }
 
     /// Contact points of fibres that are deeper than `depth`, m, in each other at the end of a
@@ -123,7 +126,8 @@ impl ContactDetector {
             deepest = left;
             chosen
         };
-        let through = self.list(motion, objects, self.margin, chosen, &mut points)?;
+        let held = HeldPlaces::default();
+        let through = self.list(motion, objects, &held, self.margin, chosen, &mut points)?;
         let deepest = points.iter().map(|point| -point.gap).fold(deepest, f64::max);
         Ok(Overlaps { points, deepest, through })
     }
@@ -134,6 +138,7 @@ impl ContactDetector {
         &mut self,
         motion: &NodeMotion,
         objects: &[CollisionObject],
+        held: &HeldPlaces,
         margin: f64,
         chosen: impl FnOnce(&Capsules, Vec<Pair>, &[CapsuleContact]) -> Vec<Pair>,
         points: &mut Vec<ContactPoint>,
@@ -153,7 +158,7 @@ impl ContactDetector {
         drop(near);
         let through = fast.iter().any(|contact| leads_through(&start, &end, contact));
         add(&end, fast, &mut contacts);
-        let mut others = of_objects(motion, objects, &self.rooted, margin);
+        let mut others = of_objects(motion, objects, &self.rooted, held, margin);
         others.sort_unstable_by_key(ContactPoint::rank);
         others.dedup_by(|b, a| a.rank().same(&b.rank()));
         put_together(&end, &contacts, &others, points);
@@ -244,6 +249,7 @@ fn of_objects(
     motion: &NodeMotion,
     objects: &[CollisionObject],
     rooted: &[[u32; 2]],
+    held: &HeldPlaces,
     margin: f64,
 ) -> Vec<ContactPoint> {
     let strand = |fiber: usize| {
@@ -253,6 +259,7 @@ fn of_objects(
             let strand = MovingFiber {
                 fiber: number,
                 first: usize::from(rooted.binary_search(&[number, index]).is_ok()),
+                held: held.of_pair([number, index]),
                 start: &motion.start[motion.layout.node_range(fiber)],
                 end: &motion.end[motion.layout.node_range(fiber)],
                 radii: &motion.radii[motion.layout.segment_range(fiber)],
@@ -289,7 +296,7 @@ mod tests {
         let motion = NodeMotion { layout: &layout, radii, start, end, step };
         let mut detector = ContactDetector::new(RADIUS, RADIUS, false).expect("lengths");
         let mut points = Vec::new();
-        detector.detect(&motion, &[], &mut points).expect("one layout");
+        detector.detect(&motion, &[], &HeldPlaces::default(), &mut points).expect("one layout");
         points
     }
 

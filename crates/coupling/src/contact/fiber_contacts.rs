@@ -70,6 +70,8 @@ fn fiber_touch(here: &Capsules, contact: &CapsuleContact) -> ContactPoint {
         radii: capsules.map(|capsule| capsule.radius),
         gap: contact.gap,
         impulse: Vector3::zeros(),
+        drift: Vector3::zeros(),
+        rests: false,
         working: false,
         bonded: false,
         kinematic: false,

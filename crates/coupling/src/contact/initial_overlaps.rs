@@ -1,6 +1,7 @@
 //! What touches before the first step.
 
 use super::detection::{ContactDetector, NodeMotion};
+use super::held_places::HeldPlaces;
 use super::system::CoupledSystem;
 use crate::CouplingError;
 use crate::TimeInterval;
@@ -38,7 +39,7 @@ pub(super) fn contact_points(
     };
     detector.root(&motion, system.objects, grows);
     let mut points = Vec::new();
-    detector.detect(&motion, system.objects, &mut points)?;
+    detector.detect(&motion, system.objects, &HeldPlaces::default(), &mut points)?;
     let too_deep = |point: &&ContactPoint| {
         let held = [0, 1].iter().all(|&side| is_held(system, point, side));
         -point.gap > if held { depth } else { OVERLAP * radius }

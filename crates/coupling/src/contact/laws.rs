@@ -31,6 +31,11 @@ impl<'a> ContactLaws<'a> {
         Self { settings, film, objects, fall: gravity * dt, dt }
     }
 
+    /// Largest slip of a contact that sticks, m/s.
+    pub(super) fn slip(&self) -> f64 {
+        self.settings.slip
+    }
+
     /// By how much more slowly two that touch come together for an impulse between them, 1/kg.
     pub(super) fn compliance(&self) -> f64 {
         self.settings.compliance / (self.dt * self.dt)

@@ -1,6 +1,7 @@
 //! Fibres that are laid into each other, moved apart before the first step.
 
 use super::detection::{ContactDetector, NodeMotion};
+use super::held_places::HeldPlaces;
 use crate::conditions::ROOT;
 use crate::contact_point::{BodyRef, ContactPoint};
 use crate::{CouplingError, Surroundings, TimeInterval};
@@ -71,7 +72,7 @@ pub fn separate(
             let grows = |fiber: usize| (!free[layout.node_range(fiber).start]).then_some(ROOT);
             detector.root(&motion, around.objects, grows);
         }
-        detector.detect(&motion, around.objects, &mut points)?;
+        detector.detect(&motion, around.objects, &HeldPlaces::default(), &mut points)?;
         let nodes = |point: &ContactPoint| {
             [0, 1].map(|side| match point.sides[side] {
                 BodyRef::Object(_) => None,

@@ -2,6 +2,7 @@ use super::adhesive_film::AdhesiveFilm;
 use super::contact_work::ContactWork;
 use super::detection::{ContactDetector, Overlaps};
 use super::forcing_term::ForcingTerm;
+use super::held_places::{HeldPlace, HeldPlaces};
 use super::initial_overlaps;
 use super::laws::ContactLaws;
 use super::leaps::refuse_leaps;
@@ -33,6 +34,9 @@ const MARGIN: f64 = 0.5;
 /// By how many radii the first list of a step, which is of where it is expected to lead, is wider
 /// than the others.
 const WIDE: f64 = 0.5;
+/// How much deeper, in the depth that is allowed, a fibre may be beside where it rests on an object:
+/// less than what is worth a contact of its own.
+const HELD: f64 = 0.25;
 /// Most halvings of a step.
 const MOST_HALVINGS: u32 = 6;
 
@@ -244,7 +248,7 @@ impl ContactStepper {
             through = found.through;
             let mut laps = PhaseTimer::start(self.stopwatch);
             let mean = system.fibers.mean_velocities();
-            part.work = case.work(system, &mean);
+            part.work = case.work(system, &mean, dt, self.settings.slip);
             laps.lap(&mut self.times.laws);
             let report = &mut part.report.contact;
             (report.listed, report.active) = (case.points().len(), case.active());
@@ -266,6 +270,7 @@ impl ContactStepper {
                 if let Some(bonds) = self.settings.adhesion.and_then(Adhesion::bonds) {
                     case.tear(system, &mean, bonds.strength, self.settings.slip)?;
                 }
+                part.report.contact.creep = case.note_drifts(system, &mean, dt, self.settings.slip);
                 (self.points, self.room) = case.into_parts();
                 return Ok(());
             }
@@ -337,7 +342,9 @@ impl ContactStepper {
         // Lists take much room: the velocities go before, and come again.
         let ends = part.ends(system, &system.fibers.mean_velocities().nodes);
         let motion = part.motion(system, &self.radii, &ends);
-        self.detector.detect(&motion, system.objects, &mut points)?;
+        let held: Vec<HeldPlace> = expected.held_places().collect();
+        let held = HeldPlaces { places: &held, slack: HELD * self.depth() };
+        self.detector.detect(&motion, system.objects, &held, &mut points)?;
         match_cached(expected, &mut points);
         laps.lap(&mut self.times.detection);
         Ok(points)

@@ -172,6 +172,8 @@ mod tests {
                 radii: [0.0; 2],
                 gap: 0.2,
                 impulse: Vector3::zeros(),
+                drift: Vector3::zeros(),
+                rests: false,
                 working: false,
                 bonded: false,
                 kinematic: false,

@@ -1,6 +1,7 @@
 //! Impulses of the step before, from which the search for those of this step starts.
 
 use super::contact_work::ContactWork;
+use super::held_places::HeldPlace;
 use crate::contact_point::{BodyRef, ContactImpulse, ContactPoint};
 use crate::contact_report::ContactReport;
 use nalgebra::Vector3;
@@ -23,6 +24,10 @@ pub(crate) struct WarmStart {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct CachedImpulse {
     pub(crate) push: ContactImpulse,
+    /// How far the first side has slipped from where it stuck, m, world.
+    drift: Vector3<f64>,
+    /// Whether it has not slid.
+    rests: bool,
     bonded: bool,
 }
 
@@ -54,7 +59,7 @@ impl WarmStart {
 }
 
 /// Numbers of a saved contact.
-const CACHED_NUMBERS: usize = 18;
+const CACHED_NUMBERS: usize = 22;
 /// Contacts in a list of saved numbers, at most.
 const LISTED: usize = 4096;
 
@@ -67,12 +72,17 @@ impl CachedImpulse {
         });
         let [s, t] = segments.map(f64::from);
         let [u, v] = fractions;
-        let (bonded, x) = (f64::from(u8::from(self.bonded)), impulse);
-        [p, i, q, j, s, t, u, v, a.x, a.y, a.z, b.x, b.y, b.z, x.x, x.y, x.z, bonded]
+        let [rests, bonded] = [self.rests, self.bonded].map(|it| f64::from(u8::from(it)));
+        let (x, d) = (impulse, self.drift);
+        [
+            p, i, q, j, s, t, u, v, a.x, a.y, a.z, b.x, b.y, b.z, x.x, x.y, x.z, d.x, d.y, d.z,
+            rests, bonded,
+        ]
     }
 
     fn from_numbers(numbers: &[f64; CACHED_NUMBERS]) -> Self {
-        let [p, i, q, j, s, t, u, v, ax, ay, az, bx, by, bz, x, y, z, bonded] = *numbers;
+        let [p, i, q, j, s, t, u, v, ax, ay, az, bx, by, bz, x, y, z, dx, dy, dz, rests, bonded] =
+            *numbers;
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
@@ -89,7 +99,8 @@ impl CachedImpulse {
             levers: [Vector3::new(ax, ay, az), Vector3::new(bx, by, bz)],
             impulse: Vector3::new(x, y, z),
         };
-        Self { push, bonded: bonded != 0.0 }
+        let drift = Vector3::new(dx, dy, dz);
+        Self { push, drift, rests: rests != 0.0, bonded: bonded != 0.0 }
     }
 }
 
@@ -137,6 +148,16 @@ pub(crate) struct ExpectedImpulses<'a> {
 }
 
 impl ExpectedImpulses<'_> {
+    /// Where fibres rest on objects.
+    pub(crate) fn held_places(&self) -> impl Iterator<Item = HeldPlace> {
+        self.known.iter().filter(|one| one.rests).filter_map(|one| match one.push.sides {
+            [BodyRef::Fiber(fiber), BodyRef::Object(object)] => {
+                Some(HeldPlace { pair: [fiber, object], at: one.push.at()[0] })
+            }
+            _ => None,
+        })
+    }
+
     pub(crate) fn pushes(&self) -> impl Iterator<Item = ContactImpulse> + Clone {
         self.known
             .iter()
@@ -163,7 +184,8 @@ fn match_pair<'a>(
     mut group: &mut [ContactPoint],
 ) {
     for point in &mut *group {
-        (point.impulse, point.bonded) = (Vector3::zeros(), false);
+        (point.impulse, point.drift) = (Vector3::zeros(), Vector3::zeros());
+        point.bonded = false;
     }
     for one in known {
         let place = one.push.at();
@@ -174,7 +196,13 @@ fn match_pair<'a>(
         let both = ahead.map(|point| (point.apart(place), point));
         let nearest = both.min_by(|a, b| a.0.total_cmp(&b.0));
         if let Some((_, point)) = nearest.filter(|near| near.0 < REACH) {
-            point.impulse += scale * one.push.impulse;
+            let given = scale * one.push.impulse;
+            // Of several it has drifted as they have by what they bear.
+            let [own, new] = [point.impulse, given].map(|impulse| impulse.norm());
+            if new > 0.0 {
+                point.drift = (point.drift * own + one.drift * new) / (own + new);
+            }
+            point.impulse += given;
             point.bonded |= one.bonded;
         }
     }
@@ -209,11 +237,12 @@ pub(crate) fn cache_impulses(points: &[ContactPoint], remembered: &mut Vec<Cache
     let lasts = |point: &ContactPoint| point.bonded || point.impulse != Vector3::zeros();
     let lasting: Vec<&ContactPoint> = points.par_iter().filter(|point| lasts(point)).collect();
     // Of a known number each is written where it stays.
-    remembered.par_extend(
-        lasting
-            .into_par_iter()
-            .map(|point| CachedImpulse { push: point.push(point.impulse), bonded: point.bonded }),
-    );
+    remembered.par_extend(lasting.into_par_iter().map(|point| CachedImpulse {
+        push: point.push(point.impulse),
+        drift: point.drift,
+        rests: point.rests,
+        bonded: point.bonded,
+    }));
 }
 
 #[cfg(test)]
@@ -231,11 +260,11 @@ mod tests {
             levers: [Vector3::zeros(); 2],
             impulse: Vector3::z() * push,
         };
-        CachedImpulse { push, bonded }
+        CachedImpulse { push, drift: Vector3::x() * place, rests: false, bonded }
     }
 
     /// A contact point of which no more is known than what is cached.
-    fn point(CachedImpulse { push, bonded }: CachedImpulse) -> ContactPoint {
+    fn point(CachedImpulse { push, drift, rests, bonded }: CachedImpulse) -> ContactPoint {
         let ContactImpulse { sides, segments, fractions, impulse, .. } = push;
         let (normal, arms, gap) = (Vector3::zeros(), [Vector3::zeros(); 2], 0.0);
         let radii = [0.0; 2];
@@ -249,6 +278,8 @@ mod tests {
             radii,
             gap,
             impulse,
+            drift,
+            rests,
             working,
             bonded,
             kinematic,
@@ -287,6 +318,14 @@ mod tests {
         }
     }
 
+    #[test]
+    fn saved_contacts_come_back() {
+        for rests in [false, true] {
+            let one = CachedImpulse { rests, ..remembered(2.5, 3.0, !rests) };
+            assert_eq!(CachedImpulse::from_numbers(&one.numbers()), one);
+        }
+    }
+
     /// Two of three go to the only contact point that is left near them, one is too far from any.
     #[test]
     fn impulses_of_touches_that_are_gone_go_to_their_neighbours() {
@@ -296,5 +335,7 @@ mod tests {
         match_cached(&ExpectedImpulses { known: &known, scale: 2.0 }, &mut points);
         assert_eq!(points.map(|point| point.impulse.z), [6.0, 0.0]);
         assert_eq!(points.map(|point| point.bonded), [true, false]);
+        // They drifted by their places, and the second bore twice as much.
+        assert!((points[0].drift.x - 7.0 / 3.0).abs() < 1e-15 && points[1].drift.x == 0.0);
     }
 }

@@ -93,6 +93,7 @@ impl Stepper for InContact {
             "residual",
             "normal error (m/s)",
             "slip error (m/s)",
+            "creep (m/s)",
             "depth (m)",
         ];
         let force = |object: usize| {
@@ -113,7 +114,7 @@ impl Stepper for InContact {
         let of = self.fibers.contact_report();
         let counts = [of.listed, of.active, of.parts, of.lists, of.solves, of.iterations];
         let counts = counts.into_iter().chain([of.unresolved]).map(|count| count as f64);
-        counts.chain([of.residual, of.normal_error, of.slip_error, of.depth]).collect()
+        counts.chain([of.residual, of.normal_error, of.slip_error, of.creep, of.depth]).collect()
     }
 
     fn set_stopwatch(&mut self, stopwatch: Option<Stopwatch>) {

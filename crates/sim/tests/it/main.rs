@@ -21,6 +21,7 @@ mod meshes;
 mod messages;
 mod objects;
 mod reference;
+mod rest;
 mod rigid;
 mod rolling;
 mod runs;

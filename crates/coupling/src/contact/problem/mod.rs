@@ -113,7 +113,9 @@ impl ContactProblem {
             });
             let closing = laws.closing(point, gap, first);
             let compliance = if closing < gap { 0.0 } else { laws.compliance() };
-            let mut bias = Vector3::new(closing, -drive.y, -drive.z);
+            // What has slipped from where it stuck is to go back there.
+            let back = frame.tr_mul(&point.undone(dt, laws.slip()));
+            let mut bias = Vector3::new(closing, back.y - drive.y, back.z - drive.z);
             if compliance > 0.0 {
                 let given = frame.tr_mul(&before[i]) * compliance;
                 bias -= Vector3::new(0.0, given.y, given.z);

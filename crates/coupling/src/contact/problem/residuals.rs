@@ -65,8 +65,15 @@ impl ContactProblem {
         (contact, velocity, impulse, self.masses[i])
     }
 
-    /// What the contacts do where all fibres have the given mean velocities.
-    pub(crate) fn work(&self, system: &CoupledSystem, mean: &FiberVelocities) -> ContactWork {
+    /// What the contacts do in the step of `dt` seconds where all fibres have the given mean
+    /// velocities; drifts of more than half of `slip`, m/s, were to be undone.
+    pub(crate) fn work(
+        &self,
+        system: &CoupledSystem,
+        mean: &FiberVelocities,
+        dt: f64,
+        slip: f64,
+    ) -> ContactWork {
         let mean = Velocities::new(system, mean);
         let of_one = |i: usize| {
             let point = &self.points[i];
@@ -74,8 +81,9 @@ impl ContactProblem {
             let drive = contact.frame.tr_mul(&point.drive());
             let before = self.before.get(i).map_or(Vector3::zeros(), |b| contact.frame.tr_mul(b));
             let given = (before - impulse) * contact.compliance;
+            let back = contact.frame.tr_mul(&point.undone(dt, slip)).yz();
             let mut work = ContactWork {
-                friction: impulse.yz().dot(&velocity.yz()),
+                friction: impulse.yz().dot(&(velocity.yz() - back)),
                 compliance: impulse.dot(&given),
                 kinematic: impulse.dot(&drive),
                 ..Default::default()
@@ -153,6 +161,46 @@ impl ContactProblem {
             self.points[i].bonded = bond.is_intact();
         }
         Ok(())
+    }
+
+    /// Notes how far contacts have slipped against the law in the step of `dt` seconds, from where
+    /// they stuck, and which have not slid, where all fibres have the given mean velocities; drifts
+    /// of more than half of `slip`, m/s, were to be undone. Returns the largest velocity of a
+    /// contact that sticks, m/s.
+    pub(crate) fn note_drifts(
+        &mut self,
+        system: &CoupledSystem,
+        mean: &FiberVelocities,
+        dt: f64,
+        slip: f64,
+    ) -> f64 {
+        let mean = Velocities::new(system, mean);
+        let of_one = |&i: &usize| {
+            let (contact, velocity, impulse, masses) = self.judged(i, &mean);
+            let ErrorMasses { own, .. } = masses;
+            let wrong = Violation::forbidden_slip(&contact, &velocity, &impulse, own);
+            let sticks = 2.0 * wrong.norm() > velocity.yz().norm();
+            let of_drift = |way: Vector3<f64>| contact.frame.tr_mul(&way).yz();
+            let undone = of_drift(self.points[i].undone(dt, slip));
+            let speed = (velocity.yz() - undone).norm();
+            if contact.compliance > 0.0 {
+                // What gives way does not stick.
+                return (Vector3::zeros(), 0.0, false);
+            }
+            // What slides has left where it stuck.
+            let left = of_drift(self.points[i].drift) / dt - undone;
+            let drift = if sticks { left + wrong } else { wrong };
+            let drift = drift.cap_magnitude(2.0 * slip) * dt;
+            let drift = contact.frame * Vector3::new(0.0, drift.x, drift.y);
+            (drift, if sticks { speed } else { 0.0 }, sticks || speed <= slip)
+        };
+        let found: Vec<_> = self.working.par_iter().map(of_one).collect();
+        let mut largest = 0.0_f64;
+        for (&i, (drift, creep, rests)) in self.working.iter().zip(found) {
+            (self.points[i].drift, self.points[i].rests) = (drift, rests);
+            largest = largest.max(creep);
+        }
+        largest
     }
 
     /// The contact points that may have closed where all fibres have the given mean velocities,
