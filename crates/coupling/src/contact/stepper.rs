@@ -34,8 +34,8 @@ const MARGIN: f64 = 0.5;
 /// By how many radii the first list of a step, which is of where it is expected to lead, is wider
 /// than the others.
 const WIDE: f64 = 0.5;
-/// How much deeper, in the depth that is allowed, a fibre may be beside where it rests on an object:
-/// less than what is worth a contact of its own.
+/// How much deeper, in the depth that is allowed, a fibre may be beside where it rests on an
+/// object: less than what is worth a contact of its own.
 const HELD: f64 = 0.25;
 /// Most halvings of a step.
 const MOST_HALVINGS: u32 = 6;
