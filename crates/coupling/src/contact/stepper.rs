@@ -2,7 +2,6 @@ use super::adhesive_film::AdhesiveFilm;
 use super::contact_work::ContactWork;
 use super::detection::{ContactDetector, Overlaps};
 use super::forcing_term::ForcingTerm;
-use super::held_places::{HeldPlace, HeldPlaces};
 use super::initial_overlaps;
 use super::laws::ContactLaws;
 use super::leaps::refuse_leaps;
@@ -17,6 +16,7 @@ use super::warm_start::{
 };
 use crate::contact_point::{ContactPoint, merged};
 use crate::contact_report::Unresolved;
+use crate::held_places::{HeldPlace, HeldPlaces};
 use crate::phase_times::Stopwatch;
 use crate::phase_times::{ContactTimes, PhaseTimer};
 use crate::{CouplingError, StepReport};
