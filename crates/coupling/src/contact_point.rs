@@ -145,8 +145,8 @@ impl ContactPoint {
         }
     }
 
-    /// How fast it has drifted in a step of `dt` seconds, m/s, world, if that is to be undone: where
-    /// it is more than half of a `slip`, m/s. What is less is let be, and adds up.
+    /// How fast it has drifted in a step of `dt` seconds, m/s, world, if that is to be undone:
+    /// where it is more than half of a `slip`, m/s. What is less is let be, and adds up.
     pub(crate) fn undone(&self, dt: f64, slip: f64) -> Vector3<f64> {
         let velocity = self.drift / dt;
         if velocity.norm() > 0.5 * slip { velocity } else { Vector3::zeros() }

@@ -1,8 +1,8 @@
 //! Where a fibre touches an object, and where it would have passed into it.
 
 use crate::TimeInterval;
-use crate::contact::HeldPlaces;
 use crate::contact_point::{BodyRef, ContactPoint};
+use crate::held_places::HeldPlaces;
 use crate::object::{CollisionObject, ObjectMotion};
 use nalgebra::{Point3, Vector3};
 use rapunzel_collision::Capsule;
@@ -208,7 +208,7 @@ impl CollisionObject {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::HeldPlace;
+    use crate::held_places::HeldPlace;
     use crate::object::{Field, ObjectGeometry};
     use nalgebra::Isometry3;
     use proptest::prelude::*;

@@ -10,6 +10,7 @@ mod fiber_on_object;
 mod fibers;
 mod free_body;
 mod group;
+mod held_places;
 mod ledger;
 mod object;
 mod pair;

@@ -1,12 +1,12 @@
 //! Who touches whom at the end of a step, and whom they would have passed through.
 
 use super::fiber_contacts::{fiber_number, fiber_rank, fibers, put_together, same_fibers};
-use super::held_places::HeldPlaces;
 use super::pair_lists::{DETECTION_CHUNK, by_fibers, of_overlapping, sort};
 use super::tunnelling::{bends, goes_on, keep_sides, leads_through};
 use crate::TimeInterval;
 use crate::contact_point::{self, BodyRef, ContactPoint, retain_others};
 use crate::fiber_on_object::MovingFiber;
+use crate::held_places::HeldPlaces;
 use crate::object::CollisionObject;
 use crate::pair;
 use nalgebra::Point3;

@@ -1,11 +1,11 @@
 //! What touches before the first step.
 
 use super::detection::{ContactDetector, NodeMotion};
-use super::held_places::HeldPlaces;
 use super::system::CoupledSystem;
 use crate::CouplingError;
 use crate::TimeInterval;
 use crate::contact_point::{BodyRef, ContactPoint};
+use crate::held_places::HeldPlaces;
 use rapunzel_rod_dynamic::{Conditions, End};
 
 /// How deep in each other things may be at the start, in radii: steps push them apart.

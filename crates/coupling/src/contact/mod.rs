@@ -30,8 +30,8 @@
 //! Objects are kinematic (they follow a given motion) or move freely (`free_body`): then they are
 //! bodies of the solver as the fibres are, and touch other objects too (`pair`).
 //!
-//! Where fibres rest on objects, contacts stay where they are (`held_places`), and what slips there
-//! against the law goes back in the next step: what friction holds does not creep.
+//! Where fibres rest on objects, contacts stay where they are (`crate::held_places`), and what
+//! slips there against the law goes back in later steps: what friction holds does not creep.
 //!
 //! Contacts act at the surfaces of fibres: an impulse has a moment about the axis, and the slip is
 //! that of surfaces, spin included. A fibre without a clamp, which nothing keeps from spinning, is
@@ -45,7 +45,6 @@ mod fiber_contacts;
 mod flight;
 mod forcing_term;
 mod group_body;
-mod held_places;
 mod in_contact;
 mod initial_overlaps;
 mod laws;
@@ -64,9 +63,6 @@ mod velocities;
 mod warm_start;
 
 pub use contact_work::ContactWork;
-#[cfg(test)]
-pub(crate) use held_places::HeldPlace;
-pub(crate) use held_places::HeldPlaces;
 pub use in_contact::FibersInContact;
 pub use separation::{Separation, separate};
 pub use warm_start::ActiveContact;

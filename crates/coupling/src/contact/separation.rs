@@ -1,9 +1,9 @@
 //! Fibres that are laid into each other, moved apart before the first step.
 
 use super::detection::{ContactDetector, NodeMotion};
-use super::held_places::HeldPlaces;
 use crate::conditions::ROOT;
 use crate::contact_point::{BodyRef, ContactPoint};
+use crate::held_places::HeldPlaces;
 use crate::{CouplingError, Surroundings, TimeInterval};
 use nalgebra::{Point3, Vector3};
 use rapunzel_collision::segment_radii;

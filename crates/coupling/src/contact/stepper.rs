@@ -2,7 +2,6 @@ use super::adhesive_film::AdhesiveFilm;
 use super::contact_work::ContactWork;
 use super::detection::{ContactDetector, Overlaps};
 use super::forcing_term::ForcingTerm;
-use super::held_places::{HeldPlace, HeldPlaces};
 use super::initial_overlaps;
 use super::laws::ContactLaws;
 use super::leaps::refuse_leaps;
@@ -17,6 +16,7 @@ use super::warm_start::{
 };
 use crate::contact_point::{ContactPoint, merged};
 use crate::contact_report::Unresolved;
+use crate::held_places::{HeldPlace, HeldPlaces};
 use crate::phase_times::Stopwatch;
 use crate::phase_times::{ContactTimes, PhaseTimer};
 use crate::{CouplingError, StepReport};
@@ -34,8 +34,8 @@ const MARGIN: f64 = 0.5;
 /// By how many radii the first list of a step, which is of where it is expected to lead, is wider
 /// than the others.
 const WIDE: f64 = 0.5;
-/// How much deeper, in the depth that is allowed, a fibre may be beside where it rests on an object:
-/// less than what is worth a contact of its own.
+/// How much deeper, in the depth that is allowed, a fibre may be beside where it rests on an
+/// object: less than what is worth a contact of its own.
 const HELD: f64 = 0.25;
 /// Most halvings of a step.
 const MOST_HALVINGS: u32 = 6;

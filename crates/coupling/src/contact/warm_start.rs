@@ -1,9 +1,9 @@
 //! Impulses of the step before, from which the search for those of this step starts.
 
 use super::contact_work::ContactWork;
-use super::held_places::HeldPlace;
 use crate::contact_point::{BodyRef, ContactImpulse, ContactPoint};
 use crate::contact_report::ContactReport;
+use crate::held_places::HeldPlace;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
