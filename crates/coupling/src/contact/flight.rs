@@ -3,7 +3,6 @@
 
 use super::system::CoupledSystem;
 use crate::contact_point::{BodyRef, ContactPoint};
-use rayon::prelude::*;
 
 /// Whether each fibre is a side of any of some contact points.
 fn touching(fibers: usize, points: &[ContactPoint]) -> Vec<bool> {
@@ -21,13 +20,13 @@ impl CoupledSystem<'_> {
     /// Returns whether there are any: the substep under way has to be set out anew.
     pub(super) fn land(&mut self, points: &[ContactPoint]) -> bool {
         let touching = touching(self.fibers.assembly().fibers().len(), points);
-        let groups = self.fibers.groups.par_iter_mut();
-        groups.map(|group| group.land(|fiber| touching[fiber])).reduce(|| false, |a, b| a | b)
+        let groups = self.fibers.groups.iter_mut();
+        groups.fold(false, |any, group| group.land(|fiber| touching[fiber]) | any)
     }
 
     /// Lets fibres that are sides of no contact point fly from the next substep on.
     pub(super) fn take_off(&mut self, points: &[ContactPoint]) {
         let touching = touching(self.fibers.assembly().fibers().len(), points);
-        self.fibers.groups.par_iter_mut().for_each(|group| group.take_off(|f| touching[f]));
+        self.fibers.groups.iter_mut().for_each(|group| group.take_off(|f| touching[f]));
     }
 }

@@ -4,6 +4,7 @@
 use super::array::{Array, at, set, zeros};
 use crate::Rod;
 use crate::joint::Joint;
+use nalgebra::Vector2;
 use pulp::Simd;
 use pulp::bytemuck::cast_slice;
 use std::any::Any;
@@ -22,6 +23,9 @@ pub(super) struct BatchModel<S: Simd> {
     pub(super) stiffness: Array<S>,
     /// Natural rotation vectors of the joints, rad (3 per joint).
     pub(super) rest: Array<S>,
+    /// 1 in lanes whose fibre is straight by nature and bends alike to all sides, so that it may
+    /// spin in any shape without resistance, else 0.
+    pub(super) round: Array<S>,
 }
 
 impl<S: Simd> BatchModel<S> {
@@ -34,6 +38,7 @@ impl<S: Simd> BatchModel<S> {
             inertia: zeros::<S>(2 * n),
             stiffness: zeros::<S>(3 * (n + 1)),
             rest: zeros::<S>(3 * (n + 1)),
+            round: zeros::<S>(1),
         };
         for lane in 0..S::F64_LANES {
             model.fill(lane, &rods[lane.min(rods.len() - 1)]);
@@ -55,13 +60,17 @@ impl<S: Simd> BatchModel<S> {
             set(&mut self.inertia, 2 * e, lane, inertia.y);
             set(&mut self.inertia, 2 * e + 1, lane, inertia.x);
         }
+        let mut round = true;
         for j in 0..=n {
             let joint = Joint::new(fiber, j);
             for i in 0..3 {
                 set(&mut self.stiffness, 3 * j + i, lane, joint.stiffness[i]);
                 set(&mut self.rest, 3 * j + i, lane, joint.rest[i]);
             }
+            let alike = joint.stiffness.x == joint.stiffness.y;
+            round &= alike && joint.rest.xy() == Vector2::zeros();
         }
+        set(&mut self.round, 0, lane, f64::from(round));
     }
 
     /// The last model built on this thread if it equals this one bit for bit, else this one.
@@ -77,9 +86,9 @@ impl<S: Simd> BatchModel<S> {
         })
     }
 
-    fn bytes(&self) -> [&[u8]; 5] {
-        let Self { h, mass, inertia, stiffness, rest } = self;
-        [h, mass, inertia, stiffness, rest].map(|array| cast_slice(array))
+    fn bytes(&self) -> [&[u8]; 6] {
+        let Self { h, mass, inertia, stiffness, rest, round } = self;
+        [h, mass, inertia, stiffness, rest, round].map(|array| cast_slice(array))
     }
 }
 

@@ -116,16 +116,26 @@ impl<S: Simd> RotationChain<S> {
         axis.mul_add(self.one(&self.kept.spin, e), before.cross(axis))
     }
 
-    /// Largest rotation increment, rad, of the last solve, of which a spin of a whole fibre is no
-    /// part: how far it leads is known exactly, and joints do not feel it.
+    /// Largest rotation increment, rad, of the last solve. The spin of a whole fibre that nothing
+    /// resists counts as what moves its surface as far as a swing moves the ends of segments: by the
+    /// radius over the length. That of a fibre with a natural bend or a flat section counts whole, or
+    /// Newton's method would find it whole turns away.
     #[inline(always)]
     pub(super) fn largest_swing(&self) -> Lane<S> {
         let mut largest = Lane::splat(self.simd, 0.0);
         let mut before = largest;
+        let resists = before.lift(1.0) - Lane::new(self.simd, self.model.round[0]);
         for e in 0..self.n {
             let (turn, axis) = (self.vec(&self.kept.step, 2 * e + 1), self.axis(e));
             let about = axis.dot(turn);
             largest = largest.max((turn - axis.scale(about)).max_abs());
+            // Of a solid cylinder the polar inertia is m r^2 / 2.
+            let polar =
+                self.one(&self.model.inertia, 2 * e) + self.one(&self.model.inertia, 2 * e + 1);
+            let mass = self.one(&self.model.mass, e) + self.one(&self.model.mass, e + 1);
+            let radius = (polar * polar.lift(4.0) * mass.recip()).sqrt();
+            let surface = radius * self.one(&self.model.h, e).recip();
+            largest = largest.max(about.abs() * surface.max(resists));
             let joined = Lane::new(self.simd, self.ends.root_joint);
             let apart = if e > 0 { about - before } else { about * joined };
             largest = largest.max(apart.abs());
