@@ -8,10 +8,11 @@
 //! mean of `I1` and `I2` as a mass on d3.
 //!
 //! The torque by the spin is that of its acceleration along d3, `J c1 (psi - dpsi)`, and the
-//! gyroscopic one, `J omega d3'`: by the values at the end of a step, for backward Euler by the spin
-//! rate at its start, with which angular momenta add up. A rotation `dtheta` changes the spin by `a
-//! dtheta`, `a = (t0 + t) / (1 + t0 t)`: the holonomy of parallel transport (Bergou et al. 2008).
-//! Newton's matrix has `J c1 a a^T` of it, without the gyroscopic part, which is not symmetric.
+//! gyroscopic one, `J omega d3'`: by the values at the end of a step, for backward Euler by the
+//! spin rate at its start, with which angular momenta add up. A rotation `dtheta` changes the spin
+//! by `a dtheta`, `a = (t0 + t) / (1 + t0 t)`: the holonomy of parallel transport (Bergou et al.
+//! 2008). Newton's matrix has `J c1 a a^T` of it, without the gyroscopic part, which is not
+//! symmetric.
 
 use super::array::{store, store_quat};
 use super::chain::RotationChain;
@@ -108,8 +109,8 @@ impl<S: Simd> RotationChain<S> {
         (to, spin(before, to.directors(), expected))
     }
 
-    /// A vector that turns segment `e` as the step does, but for terms of higher order in the swing:
-    /// the axis of the swing with the sine of its angle, and the spin.
+    /// A vector that turns segment `e` as the step does, but for terms of higher order in the
+    /// swing: the axis of the swing with the sine of its angle, and the spin.
     #[inline(always)]
     pub(super) fn turn_with_spin(&self, e: usize) -> V3<S> {
         let (before, axis) = (self.directors_before(e)[2], self.directors(e)[2]);
@@ -117,9 +118,9 @@ impl<S: Simd> RotationChain<S> {
     }
 
     /// Largest rotation increment, rad, of the last solve. The spin of a whole fibre that nothing
-    /// resists counts as what moves its surface as far as a swing moves the ends of segments: by the
-    /// radius over the length. That of a fibre with a natural bend or a flat section counts whole, or
-    /// Newton's method would find it whole turns away.
+    /// resists counts as what moves its surface as far as a swing moves the ends of segments: by
+    /// the radius over the length. That of a fibre with a natural bend or a flat section counts
+    /// whole, or Newton's method would find it whole turns away.
     #[inline(always)]
     pub(super) fn largest_swing(&self) -> Lane<S> {
         let mut largest = Lane::splat(self.simd, 0.0);

@@ -38,8 +38,8 @@ fn spins(batch: &StaggeredBatch) -> Vec<Vector3<f64>> {
     state.frames.iter().zip(&state.angular_velocities).map(|(frame, spin)| frame * spin).collect()
 }
 
-/// A free stubby rod that tumbles and spins at once, a gyroscope, as its momentum after each of some
-/// steps tells.
+/// A free stubby rod that tumbles and spins at once, a gyroscope, as its momentum after each of
+/// some steps tells.
 fn gyroscope(flying: bool, dt: f64) -> Vec<Vector3<f64>> {
     let material = Material { density: DENSITY, youngs_modulus: 4e9, shear_modulus: 1.5e9 };
     let section = Section::Circle { radius: 1e-2 };

@@ -101,8 +101,8 @@ fn free_hairs_that_collide_keep_their_momentum() {
     assert!(active > 20, "they collide: {active}");
 }
 
-/// Hairs that lie down a rough slope stay where they are, to the last bit of what the solver is asked
-/// for; on a smooth one they slide as g sin(alpha) wants.
+/// Hairs that lie down a rough slope stay where they are, to the last bit of what the solver is
+/// asked for; on a smooth one they slide as g sin(alpha) wants.
 #[test]
 fn hairs_stick_on_a_rough_slope_and_slide_on_a_smooth_one() {
     let alpha = 20.0_f64.to_radians();

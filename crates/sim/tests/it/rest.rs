@@ -97,7 +97,8 @@ fn what_rests_resumes_to_the_same_bits() {
     assert_eq!(again.positions(0), after);
 }
 
-/// It slips where Euler says, at `exp(mu pi)`; of 60 segments instead of 120 it does so 1.3 % early.
+/// It slips where Euler says, at `exp(mu pi)`; of 60 segments instead of 120 it does so 1.3 %
+/// early.
 #[test]
 fn a_hair_slips_where_friction_cannot_hold_it() {
     let points = [(0.0, 0.0), (0.01, 1.0), (0.05, 1.0), (0.1, 2.0), (0.2, 2.5), (0.4, 2.7)];

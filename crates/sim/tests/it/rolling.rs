@@ -29,8 +29,8 @@ fn motion(run: &Run) -> [f64; 2] {
 }
 
 /// A solid cylinder rolls down with two thirds of what gravity pulls, up to a slope of three times
-/// the coefficient, and slips beyond, spun by friction. Backward Euler is exact for velocities under
-/// constant forces; the bound is what the residual leaves.
+/// the coefficient, and slips beyond, spun by friction. Backward Euler is exact for velocities
+/// under constant forces; the bound is what the residual leaves.
 #[test]
 fn a_solid_cylinder_rolls_down() {
     let mu = 0.3;

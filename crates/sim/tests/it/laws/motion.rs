@@ -79,8 +79,8 @@ fn a_hair_that_loses_nothing_bounces_on() {
     assert_eq!(bounces, 15);
 }
 
-/// A hair that flies along itself at the ground, 45 degrees down, and bounces with all of its normal
-/// velocity. What it bears is twice its momentum along the normal, which brakes it by the
+/// A hair that flies along itself at the ground, 45 degrees down, and bounces with all of its
+/// normal velocity. What it bears is twice its momentum along the normal, which brakes it by the
 /// coefficient times that, until it sticks: friction takes energy, and nothing comes back.
 #[test]
 fn an_oblique_bounce_is_braked() {
