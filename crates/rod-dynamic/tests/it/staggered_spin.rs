@@ -115,9 +115,9 @@ fn what_flies_is_hardly_damped() {
 
 proptest! {
     /// A moment `M` for an instant on all segments alike gives the spin `M / J`, which goes on for
-    /// ever: of a radian or of thousands in a step.
+    /// ever: of a radian or of hundreds in a step.
     #[test]
-    fn a_free_fibre_spins_on(turns in prop_oneof![-1.0..1.0_f64, -4000.0..4000.0]) {
+    fn a_free_fibre_spins_on(turns in prop_oneof![-1.0..1.0_f64, -300.0..300.0]) {
         let method = |rods, _| StaggeredBatch::backward_euler(rods);
         let (mut batch, hold) = free_hair(method);
         let conditions: [&dyn Conditions; 1] = [&hold];
