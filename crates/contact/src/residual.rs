@@ -66,9 +66,7 @@ impl Violation {
             slip: slip_error(contact, velocity, impulse, weight),
         }
     }
-}
 
-impl Violation {
     /// The part of a slip that the friction does not allow, m/s along the two tangents, with the
     /// arguments of [`Violation::new`]: all of it while the friction is within its limit and could
     /// hold it back, none of it while a contact slides by the law.

@@ -154,6 +154,15 @@ impl<S: Simd, E: Real> Lane<S, E> {
         self.positive().select(self.lift(1.0), self.lift(-1.0))
     }
 
+    /// The nearest integer, of two the even one, for doubles of up to 2^51 in size.
+    #[inline(always)]
+    #[must_use]
+    pub fn round(self) -> Self {
+        // In numbers of this size the last digit stands for one.
+        let large = self.lift(6_755_399_441_055_744.0);
+        self + large - large
+    }
+
     /// Whether `self > 0`, false for NaN.
     #[inline(always)]
     pub fn positive(self) -> Mask<S, E> {

@@ -102,10 +102,8 @@ impl<S: Simd> Select<S> for Quat<S> {
 #[inline(always)]
 fn half_turned<S: Simd>(angle: Lane<S>) -> (Lane<S>, Lane<S>) {
     use std::f64::consts::{FRAC_1_PI, PI};
-    // Adding it to a number rounds that to an integer.
-    let round = angle.lift(6_755_399_441_055_744.0);
     let half = angle * angle.lift(0.5);
-    let turns = half.mul_add(angle.lift(FRAC_1_PI), round) - round;
+    let turns = (half * angle.lift(FRAC_1_PI)).round();
     let x = turns.negate_mul_add(angle.lift(PI), half);
     let x2 = x * x;
     let (mut sin, mut cos) = (angle.lift(1.0), angle.lift(1.0));

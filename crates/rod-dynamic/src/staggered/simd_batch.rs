@@ -192,17 +192,10 @@ impl<S: Simd> SimdBatch<S> {
             let torque = self.chain.vec(&self.moments, e).scale(stage.c1 * stage.dt);
             store(&mut self.chain.room.torque, e, torque);
         }
-        // Directors: inertia vectors p = I c1 (d + du).
         if self.chain.spins {
             self.prepare_spins(stage);
-        }
-        for i in 0..if self.chain.spins { 0 } else { 2 * n } {
-            let (du, _) = stage.predict(self.directors.rates(&self.chain, i));
-            let (e, k) = (i / 2, i % 2);
-            let d = self.chain.vec(&self.chain.room.d_start, 3 * e + k);
-            let inertia = Lane::new(simd, self.chain.model.inertia[i]) * stage.c1;
-            let p = if stage.problem == StepProblem::Rest { V3::splat(simd, 0.0) } else { d + du };
-            store(&mut self.chain.room.p, i, p.scale(inertia));
+        } else {
+            self.prepare_directors(stage);
         }
         // Joints: damping turns stiffness K into K (1 + tau cv), and the rotation without moment
         // into (rest + tau rate) / (1 + tau cv).
@@ -228,6 +221,20 @@ impl<S: Simd> SimdBatch<S> {
             if let Some(laws) = &mut self.chain.laws {
                 laws.set_linear(simd, j, stiffness, target);
             }
+        }
+    }
+
+    /// Writes the inertia vectors of d1 and d2, `p = I c1 (d + du)`.
+    #[inline(always)]
+    fn prepare_directors(&mut self, stage: &Stage<S>) {
+        let simd = self.chain.simd;
+        for i in 0..2 * self.chain.n {
+            let (du, _) = stage.predict(self.directors.rates(&self.chain, i));
+            let (e, k) = (i / 2, i % 2);
+            let d = self.chain.vec(&self.chain.room.d_start, 3 * e + k);
+            let inertia = Lane::new(simd, self.chain.model.inertia[i]) * stage.c1;
+            let p = if stage.problem == StepProblem::Rest { V3::splat(simd, 0.0) } else { d + du };
+            store(&mut self.chain.room.p, i, p.scale(inertia));
         }
     }
 

@@ -42,9 +42,7 @@ fn spin<S: Simd>(before: [V3<S>; 3], after: [V3<S>; 3], near: Lane<S>) -> Lane<S
     let cosine = before[0].dot(after[0]) + before[1].dot(after[1]);
     let sine = before[1].dot(after[0]) - before[0].dot(after[1]);
     let found = angle(Portable, cosine + cosine.lift(SMALL), sine);
-    // Adding it to a number rounds that to an integer.
-    let round = near.lift(6_755_399_441_055_744.0);
-    let turns = (near - found).mul_add(near.lift(1.0 / TAU), round) - round;
+    let turns = ((near - found) * near.lift(1.0 / TAU)).round();
     turns.mul_add(near.lift(TAU), found)
 }
 
@@ -131,8 +129,7 @@ impl<S: Simd> RotationChain<S> {
             let about = axis.dot(turn);
             largest = largest.max((turn - axis.scale(about)).max_abs());
             // Of a solid cylinder the polar inertia is m r^2 / 2.
-            let polar =
-                self.one(&self.model.inertia, 2 * e) + self.one(&self.model.inertia, 2 * e + 1);
+            let polar = self.polar_inertia(e);
             let mass = self.one(&self.model.mass, e) + self.one(&self.model.mass, e + 1);
             let radius = (polar * polar.lift(4.0) * mass.recip()).sqrt();
             let surface = radius * self.one(&self.model.h, e).recip();
@@ -145,6 +142,12 @@ impl<S: Simd> RotationChain<S> {
         largest.max((before * Lane::new(self.simd, self.ends.tip_joint)).abs())
     }
 
+    /// Polar inertia of segment `e`, kg m^2.
+    #[inline(always)]
+    fn polar_inertia(&self, e: usize) -> Lane<S> {
+        self.one(&self.model.inertia, 2 * e) + self.one(&self.model.inertia, 2 * e + 1)
+    }
+
     /// Director d3 of segment `e` at its present rotation.
     #[inline(always)]
     fn axis(&self, e: usize) -> V3<S> {
@@ -153,13 +156,6 @@ impl<S: Simd> RotationChain<S> {
 }
 
 impl<S: Simd> SimdBatch<S> {
-    /// Polar inertia of segment `e`, kg m^2.
-    #[inline(always)]
-    fn polar_inertia(&self, e: usize) -> Lane<S> {
-        let inertia = &self.chain.model.inertia;
-        self.chain.one(inertia, 2 * e) + self.chain.one(inertia, 2 * e + 1)
-    }
-
     /// Spin of segment `e` over the step, in the first of three components, rad.
     #[inline(always)]
     fn spin_vector(&self, e: usize) -> V3<S> {
@@ -180,7 +176,7 @@ impl<S: Simd> SimdBatch<S> {
             );
             let (du, vc) = stage.predict(of_axis);
             let (ahead, known) = stage.predict(of_spin);
-            let polar = self.polar_inertia(e) * weight;
+            let polar = self.chain.polar_inertia(e) * weight;
             let inertia = polar * stage.c1;
             let d = self.chain.directors_before(e)[2];
             let room = &mut self.chain.room;
@@ -249,7 +245,7 @@ impl<S: Simd> SimdBatch<S> {
         let of_axis = self.motion(stage, rates[0], zero, axis);
         let of_spin = self.motion(stage, rates[1], zero, spin);
         // Torque by d3, by the acceleration of the spin, and the gyroscopic one.
-        let polar = self.polar_inertia(e);
+        let polar = self.chain.polar_inertia(e);
         let rate = stage.late.positive().select(of_spin.end.0[0], rates[1].v.0[0]);
         let torque = d[2].cross(of_axis.acceleration).scale(polar * polar.lift(-0.5))
             - (d[2].scale(of_spin.acceleration.0[0]) + of_axis.end.scale(rate)).scale(polar);

@@ -6,8 +6,7 @@ use super::start::FiberStart;
 use crate::scene::{ContactSettings, Motion, RodMethod, Scene, Wind};
 use crate::{Plan, SimError};
 use nalgebra::Vector3;
-use rapunzel_coupling::{BodyRef, BundleConditions, CollisionObject, FibersInContact};
-use rapunzel_fiber::Layout;
+use rapunzel_coupling::{BundleConditions, CollisionObject, FibersInContact, Surroundings};
 use std::sync::Arc;
 
 /// Speed at which a fibre has settled, in its length, 1/s: in 0.1 s it moves by half a thousandth
@@ -69,20 +68,11 @@ impl Still {
         settings: &ContactSettings,
     ) -> Result<Vec<Vector3<f64>>, SimError> {
         let dt = Plan::new(&self.scene).step_after(0);
-        let assembly = assembly(&self.starts);
-        let layout = assembly.layout().clone();
         let mut around = at_start(&self.scene, &mut self.objects);
-        let mut fibers = in_contact(
-            settings,
-            RodMethod::BackwardEuler,
-            &self.starts,
-            assembly,
-            false,
-            &mut around,
-        )?;
+        let mut fibers = bearing(settings, &self.starts, &mut around)?;
         around.end = dt;
         fibers.step(&mut around, dt)?;
-        Ok(node_forces(&fibers, &layout))
+        Ok(fibers.contact_forces())
     }
 
     /// Lets the fibres settle. Returns the forces of contacts on all nodes in the end, N, world.
@@ -97,18 +87,9 @@ impl Still {
         at: &dyn Fn(usize),
     ) -> Result<Vec<Vector3<f64>>, SimError> {
         let dt = Plan::new(&self.scene).step_after(0);
-        let assembly = assembly(&self.starts);
-        let layout = assembly.layout().clone();
         let mut around = at_start(&self.scene, &mut self.objects);
         let settings = ContactSettings { residual: RESIDUAL, ..settings.clone() };
-        let mut fibers = in_contact(
-            &settings,
-            RodMethod::BackwardEuler,
-            &self.starts,
-            assembly,
-            false,
-            &mut around,
-        )?;
+        let mut fibers = bearing(&settings, &self.starts, &mut around)?;
         let (mut before, mut slow_steps) = (vec![0.0; self.starts.len()], 0);
         for step in 0..MOST_STEPS {
             at(step);
@@ -144,25 +125,15 @@ impl Still {
                 break;
             }
         }
-        Ok(node_forces(&fibers, &layout))
+        Ok(fibers.contact_forces())
     }
 }
 
-/// Forces of contacts on all nodes, N, world.
-fn node_forces(fibers: &FibersInContact, layout: &Layout) -> Vec<Vector3<f64>> {
-    let mut forces = vec![Vector3::zeros(); layout.nodes()];
-    for contact in fibers.contacts() {
-        let sides = contact.sides.into_iter().zip(contact.at).zip([1.0, -1.0]);
-        for ((side, at), sign) in sides {
-            let BodyRef::Fiber(fiber) = side else { continue };
-            let range = layout.node_range(fiber as usize);
-            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a place")]
-            let segment = (at as usize).min(range.len() - 2);
-            let fraction = at - segment as f64;
-            let node = range.start + segment;
-            forces[node] += contact.force * (sign * (1.0 - fraction));
-            forces[node + 1] += contact.force * (sign * fraction);
-        }
-    }
-    forces
+/// Fibres in contact by backward Euler: what rests comes to rest soonest.
+fn bearing(
+    settings: &ContactSettings,
+    starts: &[FiberStart],
+    around: &mut Surroundings<'_>,
+) -> Result<FibersInContact, SimError> {
+    in_contact(settings, RodMethod::BackwardEuler, starts, assembly(starts), false, around)
 }
