@@ -52,14 +52,17 @@ pub(crate) struct ContactPoint {
     /// impulse acts, m: on the surface of a fibre, in the middle of the gap between objects. Of one
     /// that is kinematic the mean velocity of its surface over the step, m/s.
     pub(crate) arms: [Vector3<f64>; 2],
-    /// Radii of the fibres, m; 0 of an object.
-    pub(crate) radii: [f64; 2],
+    /// From the axes of fibres to where they touch, m, world; zero of an object.
+    pub(crate) offsets: [Vector3<f64>; 2],
     /// Distance of the surfaces at the end of the step, m.
     pub(crate) gap: f64,
     /// Impulse on the first side, N s, world.
     pub(crate) impulse: Vector3<f64>,
     /// How far the first side has slipped, against the law, from where it stuck, m, world.
     pub(crate) drift: Vector3<f64>,
+    /// How far from there the first side is pressed, across the normal, by rolling resistance, m,
+    /// world.
+    pub(crate) lean: Vector3<f64>,
     /// Whether it has not slid in the last step.
     pub(crate) rests: bool,
     /// Whether it has borne something, or would have closed, in this step.
@@ -106,7 +109,12 @@ impl ContactPoint {
 
     /// Whether a side is an object that moves freely.
     fn is_free(&self, side: usize) -> bool {
-        self.sides[side].is_object() && !(self.kinematic && side == 1)
+        self.sides[side].is_object() && self.moves(side)
+    }
+
+    /// Whether a side is a fibre or an object that moves freely.
+    pub(crate) fn moves(&self, side: usize) -> bool {
+        !(self.kinematic && side == 1)
     }
 
     /// Whether any side is an object that moves freely.
@@ -123,10 +131,9 @@ impl ContactPoint {
     /// a fibre, to where the impulse acts, m; zero for a kinematic object.
     pub(crate) fn lever(&self, side: usize) -> Vector3<f64> {
         if self.is_free(side) {
-            return self.arms[side];
+            return self.arms[side] + self.lean;
         }
-        let inward = if side == 0 { -self.normal } else { self.normal };
-        self.radii[side] * inward
+        if self.sides[side].is_object() { Vector3::zeros() } else { self.offsets[side] + self.lean }
     }
 
     /// Lets the impulse act on the axis of every side that is a fibre where it is not in the part
@@ -137,12 +144,19 @@ impl ContactPoint {
             if turning[fiber as usize].contains(&self.at()[side]) {
                 continue;
             }
-            let (lever, other) = (self.lever(side), 1 - side);
-            self.radii[side] = 0.0;
-            if self.is_free(other) {
-                self.arms[other] -= lever;
-            }
+            self.lean = Vector3::zeros();
+            self.seat(side, Vector3::zeros());
         }
+    }
+
+    /// Lets the impulse act at another place of a side that is a fibre, m from its axis, world; and
+    /// there on what it touches.
+    pub(crate) fn seat(&mut self, side: usize, place: Vector3<f64>) {
+        let other = 1 - side;
+        if self.is_free(other) {
+            self.arms[other] += place - self.offsets[side];
+        }
+        self.offsets[side] = place;
     }
 
     /// How fast it has drifted in a step of `dt` seconds, m/s, world, if that is to be undone:
@@ -333,10 +347,11 @@ mod tests {
             fractions: [place.fract(); 2],
             normal: Vector3::z() * up,
             arms: [Vector3::x(); 2],
-            radii: [0.0; 2],
+            offsets: [Vector3::zeros(); 2],
             gap,
             impulse: Vector3::zeros(),
             drift: Vector3::zeros(),
+            lean: Vector3::zeros(),
             rests: false,
             working: false,
             bonded: false,

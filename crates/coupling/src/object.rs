@@ -144,6 +144,16 @@ impl CollisionObject {
         }
     }
 
+    /// Mean angular velocity over a step of an object with a given motion, rad/s; zero for one that
+    /// moves freely.
+    pub(crate) fn led_spin(&self, step: TimeInterval) -> Vector3<f64> {
+        if self.is_free() {
+            return Vector3::zeros();
+        }
+        let [start, end] = self.poses(step);
+        start.rotation.rotation_to(&end.rotation).scaled_axis() / step.length
+    }
+
     /// Poses of the object at the start and at the end of a step, if nothing is in its way.
     pub(crate) fn free_poses(
         &self,

@@ -21,6 +21,10 @@ pub struct ContactSettings {
     /// restitution is rigid. Elastic compression does not count as `depth`.
     #[serde(default)]
     pub compliance: f64,
+    /// Rolling resistance, m: a contact resists that its sides roll over each other with at most
+    /// this times its normal force, N m.
+    #[serde(default)]
+    pub rolling_resistance: f64,
     /// Largest Coulomb residual of a step: the distance of the impulses from the contact law,
     /// relative to all impulses. Where objects touch and nothing else, an error of a velocity
     /// counts as one of the heaviest of those that bear on each other.
@@ -203,6 +207,8 @@ impl ContactSettings {
             check.within("adhesion", |c| adhesion.check(c));
         }
         check.number("compliance", self.compliance, Allowed::NonNegative, "m/N");
+        let rolling = self.rolling_resistance;
+        check.number("rolling_resistance", rolling, Allowed::NonNegative, "m");
         check.number("residual", self.residual, Allowed::Within(1e-14, 0.1), "");
         check.number("slip", self.slip, Allowed::Positive, "m/s");
         check.number("depth", self.depth, Allowed::Within(1e-9, 0.1), "diameters");

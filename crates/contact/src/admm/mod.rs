@@ -77,6 +77,8 @@ const KEPT_HISTORIES: usize = 128;
 const ITERATIONS_PER_STEP: usize = 3;
 /// Number of sides up to which every iteration is a step: of those the memory spans much.
 const FEW_SIDES: usize = 64;
+/// Impulses with an error of so many times that of the given ones lead nowhere.
+const STRAYED: f64 = 100.0;
 /// Descent where a solve begins near its end.
 const AT_START: DescentPlan =
     DescentPlan { largest_error: 30.0, min_iterations: 5, max_iterations: 30, off_course: 1.5 };
@@ -135,9 +137,14 @@ impl Solver for Admm {
         let period = if sides.len() > FEW_SIDES { ITERATIONS_PER_STEP } else { 1 };
         let plans = if crowded { [&IN_CROWD, &IN_CROWD] } else { [&AT_START, &AT_END] };
         let report = pool.with_leader(|leader| {
-            let report = self.iterate(leader, period, plans);
+            let start = eval_residual(leader);
+            let found = self.iterate(leader, &start, period, plans)?;
+            let error = |report: &Report| self.tolerance.error(report);
+            if !found.converged && error(&found) > STRAYED * error(&start) {
+                return Ok(Report { iterations: found.iterations, converged: false, ..start });
+            }
             leader.run(Phase::ReturnImpulses);
-            report
+            Ok(found)
         });
         drop(pool);
         histories.truncate(KEPT_HISTORIES);
@@ -148,11 +155,12 @@ impl Solver for Admm {
 }
 
 impl Admm {
-    /// Iterates all parts to the end, with steps of the acceleration of `period` iterations, and
+    /// Iterates all parts to the end, from what `start` tells of, with steps of the acceleration of `period` iterations, and
     /// descents at the start and near the end.
     fn iterate<'a, 'b, A>(
         &self,
         leader: &Leader<'_, '_, AdmmPart<'a, 'b>, Phase, AdmmWorkspace, A>,
+        start: &Report,
         period: usize,
         [at_start, at_end]: [&DescentPlan; 2],
     ) -> Result<Report, ContactError>
@@ -166,7 +174,7 @@ impl Admm {
             found.map(|found| Report { iterations: *iterations, converged: true, ..found })
         };
         // Descent alone, where the given impulses are near the answer.
-        if let Some(found) = descend(&eval_residual(leader), at_start, &mut iterations) {
+        if let Some(found) = descend(start, at_start, &mut iterations) {
             return Ok(found);
         }
         leader.run(Phase::Initialize);

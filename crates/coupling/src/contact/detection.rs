@@ -2,6 +2,7 @@
 
 use super::fiber_contacts::{fiber_number, fiber_rank, fibers, put_together, same_fibers};
 use super::pair_lists::{DETECTION_CHUNK, by_fibers, of_overlapping, sort};
+use super::sections::OrientedSections;
 use super::tunnelling::{bends, goes_on, keep_sides, leads_through};
 use crate::TimeInterval;
 use crate::contact_point::{self, BodyRef, ContactPoint, retain_others};
@@ -50,16 +51,21 @@ pub(crate) struct Overlaps {
 /// All nodes before and after a step.
 pub(crate) struct NodeMotion<'a> {
     pub(crate) layout: &'a Layout,
-    pub(crate) radii: &'a [f64],
+    pub(crate) sections: OrientedSections<'a>,
     pub(crate) start: &'a [Point3<f64>],
     pub(crate) end: &'a [Point3<f64>],
     pub(crate) step: TimeInterval,
 }
 
 impl NodeMotion<'_> {
+    /// Radii of the tubes that all segments are seen as, m.
+    fn radii(&self) -> &[f64] {
+        &self.sections.shapes.radii
+    }
+
     /// All segments at its start and at its end.
     fn capsules(&self) -> Result<[Capsules<'_>; 2], CollisionError> {
-        let at = |positions| Capsules::new(self.layout, positions, self.radii);
+        let at = |positions| Capsules::new(self.layout, positions, self.radii());
         Ok([at(self.start)?, at(self.end)?])
     }
 }
@@ -85,7 +91,7 @@ impl ContactDetector {
         let fibers = (0..motion.layout.fibers()).filter_map(|fiber| Some((fiber, grows(fiber)?)));
         let pairs = fibers.flat_map(|(fiber, gap)| {
             let root = motion.start[motion.layout.node_range(fiber).start];
-            let radius = motion.radii[motion.layout.segment_range(fiber).start];
+            let radius = motion.radii()[motion.layout.segment_range(fiber).start];
             let is_in = move |object: &CollisionObject| {
                 let own = object.pose(motion.step.start).inverse_transform_point(&root);
                 !object.is_free() && object.field().value(&own) - radius < gap
@@ -145,7 +151,8 @@ impl ContactDetector {
     ) -> Result<bool, CollisionError> {
         let [start, end] = motion.capsules()?;
         let pairs = self.candidates.on_the_way(&start, &end)?;
-        let (near, fast) = sort(&start, &end, &pairs, margin, self.holds);
+        let inner = motion.sections.inner();
+        let (near, fast) = sort(&start, &end, &pairs, margin, (self.holds, inner));
         // They are many more than what follows is of.
         drop(pairs);
         let near = by_fibers(end.layout(), chosen(&end, near, &fast));
@@ -156,13 +163,14 @@ impl ContactDetector {
         let mut contacts = Vec::new();
         contacts_of_groups(&end, &near, most, same, chosen, &mut contacts)?;
         drop(near);
-        let through = fast.iter().any(|contact| leads_through(&start, &end, contact));
+        let through = fast.iter().any(|contact| leads_through(&start, &end, contact, inner));
         add(&end, fast, &mut contacts);
         let mut others = of_objects(motion, objects, &self.rooted, held, margin);
         others.sort_unstable_by_key(ContactPoint::rank);
         others.dedup_by(|b, a| a.rank().same(&b.rank()));
         put_together(&end, &contacts, &others, points);
         keep_sides(&start, points);
+        motion.sections.seat(motion.layout, points);
         Ok(through)
     }
 }
@@ -235,8 +243,8 @@ pub(crate) fn gaps(
         }
         squared_distances(&end, &pairs, &mut squared);
         for ((place, pair), squared) in places.into_iter().zip(pairs).zip(squared) {
-            let [r, q] = pair.map(|segment| motion.radii[segment as usize]);
-            gaps[place] = squared.sqrt() - r - q;
+            let heights = motion.sections.heights(pair.map(|s| s as usize), &points[place].normal);
+            gaps[place] = squared.sqrt() - heights;
         }
     };
     let mut gaps = vec![f64::INFINITY; points.len()];
@@ -262,7 +270,7 @@ fn of_objects(
                 held: held.of_pair([number, index]),
                 start: &motion.start[motion.layout.node_range(fiber)],
                 end: &motion.end[motion.layout.node_range(fiber)],
-                radii: &motion.radii[motion.layout.segment_range(fiber)],
+                radii: &motion.radii()[motion.layout.segment_range(fiber)],
             };
             object.contact_points(index, &strand, motion.step, margin, &mut found);
         }
@@ -278,6 +286,7 @@ fn of_objects(
 
 #[cfg(test)]
 mod tests {
+    use super::super::sections::SectionShapes;
     use super::super::tunnelling::LEAN;
     use super::*;
     use proptest::prelude::*;
@@ -291,9 +300,11 @@ mod tests {
         let layout = Layout::new(fibers.iter().map(|nodes| nodes.len() - 1));
         let at = |&[x, y, z]: &[f64; 3]| Point3::new(x * LENGTH, y * LENGTH, z * RADIUS);
         let nodes: Vec<_> = fibers.concat().iter().map(at).collect();
-        let (radii, start, end) = (&vec![RADIUS; layout.segments()][..], &nodes[..], &nodes[..]);
+        let shapes = SectionShapes::tubes(vec![RADIUS; layout.segments()]);
+        let sections = OrientedSections { shapes: &shapes, directors: &[] };
+        let (start, end) = (&nodes[..], &nodes[..]);
         let step = TimeInterval { start: 0.0, length: 1e-3 };
-        let motion = NodeMotion { layout: &layout, radii, start, end, step };
+        let motion = NodeMotion { layout: &layout, sections, start, end, step };
         let mut detector = ContactDetector::new(RADIUS, RADIUS, false).expect("lengths");
         let mut points = Vec::new();
         detector.detect(&motion, &[], &HeldPlaces::default(), &mut points).expect("one layout");
@@ -343,9 +354,11 @@ mod tests {
         };
         let heights = [(1.01, false), (0.98, false), (0.6, false), (-0.1, true), (-2.0, true)];
         for (height, through) in heights {
-            let (start, end, radii) = (&at(2.0), &at(height), &[radius; 2]);
+            let (start, end) = (&at(2.0), &at(height));
+            let shapes = SectionShapes::tubes(vec![radius; 2]);
+            let sections = OrientedSections { shapes: &shapes, directors: &[] };
             let step = TimeInterval { start: 0.0, length: 1e-3 };
-            let motion = NodeMotion { layout: &layout, radii, start, end, step };
+            let motion = NodeMotion { layout: &layout, sections, start, end, step };
             let mut detector = ContactDetector::new(radius, radius, false).expect("lengths");
             let found = detector.overlaps(&motion, &[], 0.1 * radius).expect("one layout");
             assert_eq!(found.through, through, "{height}");

@@ -61,16 +61,18 @@ pub(super) fn fiber_rank(layout: &Layout, contact: &CapsuleContact) -> ContactKe
 fn fiber_touch(here: &Capsules, contact: &CapsuleContact) -> ContactPoint {
     let (sides, segments) = of_fibers(here.layout(), contact);
     let capsules = contact.pair.map(|segment| here.get(segment as usize));
+    let [to_second, to_first] = [*contact.normal, -*contact.normal];
     ContactPoint {
         sides,
         segments,
         fractions: contact.fractions,
-        normal: -*contact.normal,
+        normal: to_first,
         arms: capsules.map(|capsule| capsule.end - capsule.start),
-        radii: capsules.map(|capsule| capsule.radius),
+        offsets: [capsules[0].radius * to_second, capsules[1].radius * to_first],
         gap: contact.gap,
         impulse: Vector3::zeros(),
         drift: Vector3::zeros(),
+        lean: Vector3::zeros(),
         rests: false,
         working: false,
         bonded: false,

@@ -1,6 +1,7 @@
 //! What touches before the first step.
 
 use super::detection::{ContactDetector, NodeMotion};
+use super::sections::{OrientedSections, SectionShapes};
 use super::system::CoupledSystem;
 use crate::CouplingError;
 use crate::TimeInterval;
@@ -11,7 +12,7 @@ use rapunzel_rod_dynamic::{Conditions, End};
 /// How deep in each other things may be at the start, in radii: steps push them apart.
 const OVERLAP: f64 = 0.2;
 
-/// All contact points of a world, with the radii of all its segments, m. Fibres whose held roots
+/// All contact points of a world, with the sections of all its segments. Fibres whose held roots
 /// are deeper than `depth`, m, in a kinematic object grow out of it from now on, and so do those of
 /// a groom whose roots are on one. A world is refused where things are so deep in each other that
 /// no step would part them: ends that are held may be no deeper than `depth`, m, and all else by a
@@ -19,14 +20,14 @@ const OVERLAP: f64 = 0.2;
 pub(super) fn contact_points(
     system: &CoupledSystem,
     detector: &mut ContactDetector,
-    radii: &[f64],
+    shapes: &SectionShapes,
     radius: f64,
     depth: f64,
 ) -> Result<Vec<ContactPoint>, CouplingError> {
-    let start = system.fibers.positions();
+    let (start, directors) = (system.fibers.positions(), system.fibers.directors(shapes));
     let motion = NodeMotion {
         layout: system.fibers.assembly().layout(),
-        radii,
+        sections: OrientedSections { shapes, directors: &directors },
         start: &start,
         end: &start,
         step: TimeInterval::instant(system.start),

@@ -53,6 +53,7 @@ mod newton;
 mod node_arrays;
 mod pair_lists;
 mod problem;
+mod sections;
 mod separation;
 mod stepper;
 mod substep;

@@ -125,9 +125,9 @@ impl ContactStepper {
     ) -> Result<bool, CollisionError> {
         let mut laps = PhaseTimer::start(self.stopwatch);
         let mean = system.fibers.mean_velocities();
-        let ends = part.ends(system, &mean.nodes);
+        let ends = part.ends(system, &self.shapes, &mean.nodes);
         let near = case.near(system, &mean, part.dt);
-        let found = detection::gaps(&part.motion(system, &self.radii, &ends), &near)?;
+        let found = detection::gaps(&part.motion(system, &self.shapes, &ends), &near)?;
         laps.lap(&mut self.times.detection);
         let deeper =
             |(point, found): (&ContactPoint, f64)| point.gap.min(0.0) - found > self.depth();

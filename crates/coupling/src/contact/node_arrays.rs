@@ -1,5 +1,6 @@
 //! Arrays over all nodes and segments of fibres, and what groups make of their parts of them.
 
+use super::sections::SectionShapes;
 use crate::contact_point::{BodyRef, ContactImpulse};
 use crate::{FiberGroup, Fibers};
 use nalgebra::{Point3, Vector3};
@@ -13,6 +14,16 @@ pub(super) struct FiberVelocities {
     pub(super) nodes: Vec<Vector3<f64>>,
     /// Angular velocities of the segments, rad/s, world.
     pub(super) spins: Vec<Vector3<f64>>,
+}
+
+/// Nodes at the start and at the end of a step, in the order of the assembly.
+pub(super) struct StepEnds {
+    /// Positions at the start, m, world.
+    pub(super) start: Vec<Point3<f64>>,
+    /// Positions at the end, m, world.
+    pub(super) end: Vec<Point3<f64>>,
+    /// Directors d1 and d2 of segments at the end; none where all sections are round.
+    pub(super) directors: Vec<[Vector3<f64>; 2]>,
 }
 
 /// Impulses on all fibres, in the order of the assembly.
@@ -39,14 +50,17 @@ impl Fibers<StaggeredBatch> {
             each_node(batch, own, |(_, velocity)| velocity);
             Ok(())
         });
-        FiberVelocities { nodes, spins: self.of_segments(StaggeredBatch::start_spins) }
+        FiberVelocities {
+            nodes,
+            spins: self.of_segments(Vector3::zeros(), StaggeredBatch::start_spins),
+        }
     }
 
     /// Mean velocities over the step as it has been solved so far.
     pub(super) fn mean_velocities(&self) -> FiberVelocities {
         FiberVelocities {
             nodes: self.of_nodes(Vector3::zeros(), StaggeredBatch::mean_velocities),
-            spins: self.of_segments(StaggeredBatch::mean_spins),
+            spins: self.of_segments(Vector3::zeros(), StaggeredBatch::mean_spins),
         }
     }
 
@@ -54,8 +68,22 @@ impl Fibers<StaggeredBatch> {
     pub(super) fn linear_velocities(&self) -> FiberVelocities {
         FiberVelocities {
             nodes: self.of_nodes(Vector3::zeros(), StaggeredBatch::linear_velocities),
-            spins: self.of_segments(StaggeredBatch::linear_spins),
+            spins: self.of_segments(Vector3::zeros(), StaggeredBatch::linear_spins),
         }
+    }
+
+    /// Directors d1 and d2 of all segments, where the step has been solved to; none where all
+    /// sections are round.
+    pub(super) fn directors(&self, shapes: &SectionShapes) -> Vec<[Vector3<f64>; 2]> {
+        if shapes.are_round() {
+            return Vec::new();
+        }
+        self.of_segments([Vector3::zeros(); 2], |batch, own| {
+            let segments = own.len() / batch.rods().len();
+            let each = own.iter_mut().enumerate();
+            each.for_each(|(k, own)| *own = batch.section(k / segments, k % segments));
+            Ok(())
+        })
     }
 
     fn of_nodes<T: Copy + Send + Sync>(
@@ -68,11 +96,12 @@ impl Fibers<StaggeredBatch> {
         self.gathered(all, none, StaggeredBatch::nodes, read, |fiber| layout.node_range(fiber))
     }
 
-    fn of_segments(
+    fn of_segments<T: Copy + Send + Sync>(
         &self,
-        read: impl Fn(&StaggeredBatch, &mut [Vector3<f64>]) -> Result<(), RodError> + Sync,
-    ) -> Vec<Vector3<f64>> {
-        let (layout, none) = (self.assembly().layout(), Vector3::zeros());
+        none: T,
+        read: impl Fn(&StaggeredBatch, &mut [T]) -> Result<(), RodError> + Sync,
+    ) -> Vec<T> {
+        let layout = self.assembly().layout();
         let all = vec![none; layout.segments()];
         let segments = |batch: &StaggeredBatch| batch.nodes() - batch.rods().len();
         self.gathered(all, none, segments, read, |fiber| layout.segment_range(fiber))

@@ -12,13 +12,13 @@ pub(super) const DETECTION_CHUNK: usize = 2048;
 
 /// Sorts pairs with their squared distances at the start, m²: returns those with gaps up to
 /// `margin`, m, at the end, or at `either` end, that cannot have passed through each other, and
-/// contacts of those that would.
+/// contacts of those that would. Surfaces are at least `inner` of the radii from the axes.
 pub(super) fn sort(
     start: &Capsules,
     end: &Capsules,
     pairs: &[(Pair, f64)],
     margin: f64,
-    either: bool,
+    (either, inner): (bool, f64),
 ) -> (Vec<Pair>, Vec<CapsuleContact>) {
     let way = |(a, b): (&Point3<f64>, &Point3<f64>)| (b - a).norm_squared();
     let ways = start.positions().iter().zip(end.positions()).map(way);
@@ -33,12 +33,12 @@ pub(super) fn sort(
             let [r, q] = pair.map(|segment| end.radii()[segment as usize]);
             let reach = r + q;
             // Axes that were apart by more than the way cannot have crossed.
-            let far = (0.25 * reach * reach).max(before);
+            let far = (0.25 * (inner * reach).powi(2)).max(before);
             let crosses = most >= far && travel(start, end, pair) >= far;
             let least = if either { before.min(after) } else { after };
             // The fast distances may be off by roundings.
             let close = (reach + margin) * (1.0 + 1e-6);
-            match crosses.then(|| passing(start, end, pair)).flatten() {
+            match crosses.then(|| passing(start, end, pair, inner)).flatten() {
                 Some(contact) => fast.push(contact),
                 None if least <= close * close => near.push(pair),
                 None => (),

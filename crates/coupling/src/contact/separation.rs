@@ -1,12 +1,12 @@
 //! Fibres that are laid into each other, moved apart before the first step.
 
 use super::detection::{ContactDetector, NodeMotion};
+use super::sections::{OrientedSections, SectionShapes};
 use crate::conditions::ROOT;
 use crate::contact_point::{BodyRef, ContactPoint};
 use crate::held_places::HeldPlaces;
 use crate::{CouplingError, Surroundings, TimeInterval};
 use nalgebra::{Point3, Vector3};
-use rapunzel_collision::segment_radii;
 use rapunzel_fiber::Assembly;
 
 /// Most lists of overlaps.
@@ -52,9 +52,9 @@ pub fn separate(
 ) -> Result<Separation, CouplingError> {
     let layout = assembly.layout();
     assert!(positions.len() == layout.nodes() && free.len() == layout.nodes());
-    let radii = segment_radii(layout, assembly.radii());
-    let smallest = radii.iter().copied().fold(f64::INFINITY, f64::min);
-    let largest = radii.iter().copied().fold(0.0, f64::max);
+    let shapes = SectionShapes::new(assembly);
+    let smallest = shapes.radii.iter().copied().fold(f64::INFINITY, f64::min);
+    let largest = shapes.radii.iter().copied().fold(0.0, f64::max);
     let mut detector = ContactDetector::new(LISTED_GAP * largest, 0.0, false)?;
     let mut shifts = vec![Vector3::zeros(); positions.len()];
     let mut result = Separation::default();
@@ -63,7 +63,8 @@ pub fn separate(
     for round in 0..=MOST_ROUNDS {
         let motion = NodeMotion {
             layout,
-            radii: &radii,
+            // Tubes that hold flat sections, however these will lie.
+            sections: OrientedSections { shapes: &shapes, directors: &[] },
             start: positions,
             end: positions,
             step: TimeInterval::instant(around.start),

@@ -7,6 +7,7 @@ use super::laws::ContactLaws;
 use super::leaps::refuse_leaps;
 use super::node_arrays::FiberVelocities;
 use super::problem::{ContactProblem, ProblemWorkspace};
+use super::sections::SectionShapes;
 use super::substep::Substep;
 use super::substep_failure::{SubstepFailure, lost};
 use super::system::CoupledSystem;
@@ -19,9 +20,9 @@ use crate::contact_report::Unresolved;
 use crate::held_places::{HeldPlace, HeldPlaces};
 use crate::phase_times::Stopwatch;
 use crate::phase_times::{ContactTimes, PhaseTimer};
-use crate::{CouplingError, StepReport};
+use crate::{CouplingError, StepReport, TimeInterval};
 use nalgebra::Vector3;
-use rapunzel_collision::{CollisionError, segment_radii};
+use rapunzel_collision::CollisionError;
 use rapunzel_contact::{Admm, ContactSolver, Polished, Tolerance};
 use rapunzel_scene::{Adhesion, ContactMethod, ContactSettings};
 
@@ -46,9 +47,9 @@ pub(super) struct ContactStepper {
     pub(super) film: Option<AdhesiveFilm>,
     detector: ContactDetector,
     pub(super) solver: ContactSolver,
-    /// Radii of all segments, m.
-    pub(super) radii: Vec<f64>,
-    /// The smallest radius of a segment, m.
+    /// Sections of all segments.
+    pub(super) shapes: SectionShapes,
+    /// The smallest radius of a circle with the area of a section, m.
     radius: f64,
     /// Bonds at the start of a run.
     bonds: Vec<CachedImpulse>,
@@ -70,10 +71,10 @@ impl ContactStepper {
         settings: ContactSettings,
         system: &CoupledSystem,
     ) -> Result<Self, CouplingError> {
-        let radii =
-            segment_radii(system.fibers.assembly().layout(), system.fibers.assembly().radii());
-        let radius = radii.iter().copied().fold(f64::INFINITY, f64::min);
-        let largest = radii.iter().copied().fold(0.0, f64::max);
+        let assembly = system.fibers.assembly();
+        let shapes = SectionShapes::new(assembly);
+        let radius = assembly.radii().iter().copied().fold(f64::INFINITY, f64::min);
+        let largest = shapes.radii.iter().copied().fold(0.0, f64::max);
         let film =
             settings.adhesion.map(|adhesion| AdhesiveFilm::new(adhesion, radius)).transpose()?;
         let film = film.flatten();
@@ -91,7 +92,7 @@ impl ContactStepper {
             film,
             detector,
             solver,
-            radii,
+            shapes,
             radius,
             bonds: Vec::new(),
             points: Vec::new(),
@@ -104,7 +105,7 @@ impl ContactStepper {
         let points = initial_overlaps::contact_points(
             system,
             &mut stepper.detector,
-            &stepper.radii,
+            &stepper.shapes,
             radius,
             depth,
         )?;
@@ -271,6 +272,10 @@ impl ContactStepper {
                     case.tear(system, &mean, bonds.strength, self.settings.slip)?;
                 }
                 part.report.contact.creep = case.note_drifts(system, &mean, dt, self.settings.slip);
+                if self.settings.rolling_resistance > 0.0 {
+                    let step = TimeInterval { start: time, length: dt };
+                    case.lean(system, &mean, step, self.settings.rolling_resistance);
+                }
                 (self.points, self.room) = case.into_parts();
                 return Ok(());
             }
@@ -340,8 +345,8 @@ impl ContactStepper {
         let mut laps = PhaseTimer::start(self.stopwatch);
         let mut points = std::mem::take(&mut self.points);
         // Lists take much room: the velocities go before, and come again.
-        let ends = part.ends(system, &system.fibers.mean_velocities().nodes);
-        let motion = part.motion(system, &self.radii, &ends);
+        let ends = part.ends(system, &self.shapes, &system.fibers.mean_velocities().nodes);
+        let motion = part.motion(system, &self.shapes, &ends);
         let held: Vec<HeldPlace> = expected.held_places().collect();
         let held = HeldPlaces { places: &held, slack: HELD * self.depth() };
         self.detector.detect(&motion, system.objects, &held, &mut points)?;
@@ -359,8 +364,8 @@ impl ContactStepper {
         bearing: &[ContactPoint],
     ) -> Result<Overlaps, CollisionError> {
         let mut laps = PhaseTimer::start(self.stopwatch);
-        let ends = part.ends(system, &system.fibers.mean_velocities().nodes);
-        let motion = part.motion(system, &self.radii, &ends);
+        let ends = part.ends(system, &self.shapes, &system.fibers.mean_velocities().nodes);
+        let motion = part.motion(system, &self.shapes, &ends);
         let shallow = self.shallow();
         let mut found = self.detector.overlaps(&motion, system.objects, shallow)?;
         if self.settings.compliance > 0.0 {

@@ -1,9 +1,11 @@
 use super::contact_work::ContactWork;
 use super::detection::NodeMotion;
+use super::node_arrays::StepEnds;
+use super::sections::{OrientedSections, SectionShapes};
 use super::system::CoupledSystem;
 use crate::StepReport;
 use crate::TimeInterval;
-use nalgebra::{Point3, Vector3};
+use nalgebra::Vector3;
 
 /// A substep: the part of a step at hand.
 pub(super) struct Substep {
@@ -16,26 +18,27 @@ pub(super) struct Substep {
 
 impl Substep {
     /// Positions of all nodes, m, at the start, and at the end if they have these mean velocities,
-    /// m/s.
+    /// m/s, and how flat sections lie then.
     pub(super) fn ends(
         &self,
         system: &CoupledSystem,
+        shapes: &SectionShapes,
         mean: &[Vector3<f64>],
-    ) -> [Vec<Point3<f64>>; 2] {
+    ) -> StepEnds {
         let start = system.fibers.positions();
         let end = start.iter().zip(mean).map(|(x, v)| x + v * self.dt).collect();
-        [start, end]
+        StepEnds { start, end, directors: system.fibers.directors(shapes) }
     }
 
     /// The motion of all nodes between positions at the start and at the end.
     pub(super) fn motion<'a>(
         &self,
         system: &'a CoupledSystem<'_>,
-        radii: &'a [f64],
-        [start, end]: &'a [Vec<Point3<f64>>; 2],
+        shapes: &'a SectionShapes,
+        StepEnds { start, end, directors }: &'a StepEnds,
     ) -> NodeMotion<'a> {
         let layout = system.fibers.assembly().layout();
         let step = TimeInterval { start: self.time, length: self.dt };
-        NodeMotion { layout, radii, start, end, step }
+        NodeMotion { layout, sections: OrientedSections { shapes, directors }, start, end, step }
     }
 }

@@ -45,18 +45,29 @@ fn impact(start: &Capsules, end: &Capsules, pair: Pair, part: f64) -> Option<Imp
 }
 
 /// Where two segments would pass through each other: the place of their impact, with the normal at
-/// that time and the gap along it at the end.
-pub(super) fn passing(start: &Capsules, end: &Capsules, pair: Pair) -> Option<CapsuleContact> {
-    let impact = impact(start, end, pair, INTO)?;
+/// that time and the gap along it at the end. Surfaces are at least `inner` of the radii from
+/// the axes.
+pub(super) fn passing(
+    start: &Capsules,
+    end: &Capsules,
+    pair: Pair,
+    inner: f64,
+) -> Option<CapsuleContact> {
+    let impact = impact(start, end, pair, INTO * inner)?;
     let normal = nalgebra::Unit::try_new(impact.offset, 0.0)?;
     let contact = CapsuleContact { pair, fractions: impact.coordinates, normal, gap: 0.0 };
     Some(CapsuleContact { gap: gap(end, &contact), ..contact })
 }
 
 /// Whether a contact on the way is one of fibres that come so near that they may pass through each
-/// other.
-pub(super) fn leads_through(start: &Capsules, end: &Capsules, contact: &CapsuleContact) -> bool {
-    !bends(end, contact) && impact(start, end, contact.pair, THROUGH).is_some()
+/// other. Surfaces are at least `inner` of the radii from the axes.
+pub(super) fn leads_through(
+    start: &Capsules,
+    end: &Capsules,
+    contact: &CapsuleContact,
+    inner: f64,
+) -> bool {
+    !bends(end, contact) && impact(start, end, contact.pair, THROUGH * inner).is_some()
 }
 
 /// Whether two places are so near along one fibre that not even the tightest bend, a half turn
@@ -169,10 +180,11 @@ mod tests {
                 fractions: [0.5 * f64::from(place % 2); 2],
                 normal: Vector3::z() * if up { 1.0 } else { -1.0 },
                 arms: [Vector3::x(); 2],
-                radii: [0.0; 2],
+                offsets: [Vector3::zeros(); 2],
                 gap: 0.2,
                 impulse: Vector3::zeros(),
                 drift: Vector3::zeros(),
+                lean: Vector3::zeros(),
                 rests: false,
                 working: false,
                 bonded: false,

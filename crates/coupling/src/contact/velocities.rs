@@ -65,6 +65,17 @@ impl<'a> Velocities<'a> {
         }
     }
 
+    /// Angular velocity of a side of a contact point, rad/s; zero for an object with a given motion.
+    pub(super) fn spin_of_side(&self, point: &ContactPoint, side: usize) -> Vector3<f64> {
+        match point.sides[side] {
+            BodyRef::Fiber(fiber) => {
+                let first = self.layout.segment_range(fiber as usize).start;
+                self.fibers.spins[first + point.segments[side] as usize]
+            }
+            BodyRef::Object(object) => self.objects[object as usize][1],
+        }
+    }
+
     /// Velocity of the first side of a contact point as seen from the second, m/s.
     pub(super) fn between(&self, point: &ContactPoint) -> Vector3<f64> {
         self.of_side(point, 0) - self.of_side(point, 1)

@@ -26,6 +26,8 @@ pub(crate) struct CachedImpulse {
     pub(crate) push: ContactImpulse,
     /// How far the first side has slipped from where it stuck, m, world.
     drift: Vector3<f64>,
+    /// How far aside the first side is pressed by rolling resistance, m, world.
+    lean: Vector3<f64>,
     /// Whether it has not slid.
     rests: bool,
     bonded: bool,
@@ -59,7 +61,7 @@ impl WarmStart {
 }
 
 /// Numbers of a saved contact.
-const CACHED_NUMBERS: usize = 22;
+const CACHED_NUMBERS: usize = 25;
 /// Contacts in a list of saved numbers, at most.
 const LISTED: usize = 4096;
 
@@ -73,16 +75,16 @@ impl CachedImpulse {
         let [s, t] = segments.map(f64::from);
         let [u, v] = fractions;
         let [rests, bonded] = [self.rests, self.bonded].map(|it| f64::from(u8::from(it)));
-        let (x, d) = (impulse, self.drift);
+        let (x, d, l) = (impulse, self.drift, self.lean);
         [
             p, i, q, j, s, t, u, v, a.x, a.y, a.z, b.x, b.y, b.z, x.x, x.y, x.z, d.x, d.y, d.z,
-            rests, bonded,
+            l.x, l.y, l.z, rests, bonded,
         ]
     }
 
     fn from_numbers(numbers: &[f64; CACHED_NUMBERS]) -> Self {
-        let [p, i, q, j, s, t, u, v, ax, ay, az, bx, by, bz, x, y, z, dx, dy, dz, rests, bonded] =
-            *numbers;
+        let [p, i, q, j, s, t, u, v, ax, ay, az, bx, by, bz, x, y, z, rest @ ..] = *numbers;
+        let [dx, dy, dz, lx, ly, lz, rests, bonded] = rest;
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
@@ -99,8 +101,8 @@ impl CachedImpulse {
             levers: [Vector3::new(ax, ay, az), Vector3::new(bx, by, bz)],
             impulse: Vector3::new(x, y, z),
         };
-        let drift = Vector3::new(dx, dy, dz);
-        Self { push, drift, rests: rests != 0.0, bonded: bonded != 0.0 }
+        let (drift, lean) = (Vector3::new(dx, dy, dz), Vector3::new(lx, ly, lz));
+        Self { push, drift, lean, rests: rests != 0.0, bonded: bonded != 0.0 }
     }
 }
 
@@ -184,8 +186,8 @@ fn match_pair<'a>(
     mut group: &mut [ContactPoint],
 ) {
     for point in &mut *group {
-        (point.impulse, point.drift) = (Vector3::zeros(), Vector3::zeros());
-        point.bonded = false;
+        (point.impulse, point.bonded) = (Vector3::zeros(), false);
+        (point.drift, point.lean) = (Vector3::zeros(), Vector3::zeros());
     }
     for one in known {
         let place = one.push.at();
@@ -197,10 +199,11 @@ fn match_pair<'a>(
         let nearest = both.min_by(|a, b| a.0.total_cmp(&b.0));
         if let Some((_, point)) = nearest.filter(|near| near.0 < REACH) {
             let given = scale * one.push.impulse;
-            // Of several it has drifted as they have by what they bear.
+            // Of several it has drifted and leans as they have by what they bear.
             let [own, new] = [point.impulse, given].map(|impulse| impulse.norm());
             if new > 0.0 {
                 point.drift = (point.drift * own + one.drift * new) / (own + new);
+                point.lean = (point.lean * own + one.lean * new) / (own + new);
             }
             point.impulse += given;
             point.bonded |= one.bonded;
@@ -240,6 +243,7 @@ pub(crate) fn cache_impulses(points: &[ContactPoint], remembered: &mut Vec<Cache
     remembered.par_extend(lasting.into_par_iter().map(|point| CachedImpulse {
         push: point.push(point.impulse),
         drift: point.drift,
+        lean: point.lean,
         rests: point.rests,
         bonded: point.bonded,
     }));
@@ -260,14 +264,15 @@ mod tests {
             levers: [Vector3::zeros(); 2],
             impulse: Vector3::z() * push,
         };
-        CachedImpulse { push, drift: Vector3::x() * place, rests: false, bonded }
+        let (drift, lean) = (Vector3::x() * place, Vector3::y() * place);
+        CachedImpulse { push, drift, lean, rests: false, bonded }
     }
 
     /// A contact point of which no more is known than what is cached.
-    fn point(CachedImpulse { push, drift, rests, bonded }: CachedImpulse) -> ContactPoint {
+    fn point(CachedImpulse { push, drift, lean, rests, bonded }: CachedImpulse) -> ContactPoint {
         let ContactImpulse { sides, segments, fractions, impulse, .. } = push;
         let (normal, arms, gap) = (Vector3::zeros(), [Vector3::zeros(); 2], 0.0);
-        let radii = [0.0; 2];
+        let offsets = [Vector3::zeros(); 2];
         let (working, kinematic) = (false, false);
         ContactPoint {
             sides,
@@ -275,10 +280,11 @@ mod tests {
             fractions,
             normal,
             arms,
-            radii,
+            offsets,
             gap,
             impulse,
             drift,
+            lean,
             rests,
             working,
             bonded,
@@ -335,7 +341,8 @@ mod tests {
         match_cached(&ExpectedImpulses { known: &known, scale: 2.0 }, &mut points);
         assert_eq!(points.map(|point| point.impulse.z), [6.0, 0.0]);
         assert_eq!(points.map(|point| point.bonded), [true, false]);
-        // They drifted by their places, and the second bore twice as much.
+        // They drifted and lean by their places, and the second bore twice as much.
         assert!((points[0].drift.x - 7.0 / 3.0).abs() < 1e-15 && points[1].drift.x == 0.0);
+        assert!((points[0].lean.y - 7.0 / 3.0).abs() < 1e-15 && points[1].lean.y == 0.0);
     }
 }

@@ -141,6 +141,12 @@ impl StaggeredBatch {
         self.engine.node(fiber, node)
     }
 
+    /// Directors d1 and d2 of one segment, where a step under way has been solved to, world frame.
+    #[must_use]
+    pub fn section(&self, fiber: usize, segment: usize) -> [Vector3<f64>; 2] {
+        self.engine.section(fiber, segment)
+    }
+
     /// Energy of one fibre in the given gravity (m/s^2).
     #[must_use]
     pub fn energy(&self, fiber: usize, gravity: &Vector3<f64>) -> Energy {

@@ -25,6 +25,9 @@ pub(super) trait BatchReadout {
     fn linear_displacement(&self, lane: usize, node: usize) -> Vector3<f64>;
     /// Whether root and tip of the lane are clamped.
     fn clamps(&self, lane: usize) -> [bool; 2];
+    /// Directors d1 and d2 of a segment of the lane, where a step under way has been solved to,
+    /// world frame.
+    fn section(&self, lane: usize, segment: usize) -> [Vector3<f64>; 2];
     /// Angular velocity of a segment at the start of the step, rad/s, world frame.
     fn spin(&self, lane: usize, segment: usize) -> Vector3<f64>;
 }
@@ -131,6 +134,11 @@ impl<S: Simd> BatchReadout for SimdBatch<S> {
 
     fn clamps(&self, lane: usize) -> [bool; 2] {
         self.chain.ends.joined(lane)
+    }
+
+    fn section(&self, lane: usize, segment: usize) -> [Vector3<f64>; 2] {
+        let frame = self.rotation(segment, lane).to_rotation_matrix();
+        [0, 1].map(|k| frame.matrix().column(k).into_owned())
     }
 
     fn spin(&self, lane: usize, segment: usize) -> Vector3<f64> {

@@ -3,6 +3,7 @@
 mod culling;
 mod parameters;
 mod residuals;
+mod rolling;
 
 use super::group_body::{DelassusCache, GroupBody};
 use super::laws::ContactLaws;

@@ -43,6 +43,7 @@ fn laws_that_make_no_sense_are_refused() {
     for (laws, what) in [
         ("friction: Isotropic(0.3), restitution: 1.5", "restitution"),
         ("friction: Isotropic(0.3), compliance: -1.0", "compliance"),
+        ("friction: Isotropic(0.3), rolling_resistance: -1e-6", "rolling_resistance"),
         ("friction: Resting(resting: 0.2, sliding: 0.3)", "sliding"),
         ("friction: Isotropic(0.3), adhesion: Line(force: -1.0, range: 1e-6)", "force"),
         ("friction: Isotropic(0.3), adhesion: Bonds(strength: 0.1, range: 0.0)", "range"),
