@@ -300,7 +300,7 @@ mod tests {
         let layout = Layout::new(fibers.iter().map(|nodes| nodes.len() - 1));
         let at = |&[x, y, z]: &[f64; 3]| Point3::new(x * LENGTH, y * LENGTH, z * RADIUS);
         let nodes: Vec<_> = fibers.concat().iter().map(at).collect();
-        let shapes = SectionShapes::tubes(vec![RADIUS; layout.segments()]);
+        let shapes = SectionShapes::round(vec![RADIUS; layout.segments()]);
         let sections = OrientedSections { shapes: &shapes, directors: &[] };
         let (start, end) = (&nodes[..], &nodes[..]);
         let step = TimeInterval { start: 0.0, length: 1e-3 };
@@ -355,7 +355,7 @@ mod tests {
         let heights = [(1.01, false), (0.98, false), (0.6, false), (-0.1, true), (-2.0, true)];
         for (height, through) in heights {
             let (start, end) = (&at(2.0), &at(height));
-            let shapes = SectionShapes::tubes(vec![radius; 2]);
+            let shapes = SectionShapes::round(vec![radius; 2]);
             let sections = OrientedSections { shapes: &shapes, directors: &[] };
             let step = TimeInterval { start: 0.0, length: 1e-3 };
             let motion = NodeMotion { layout: &layout, sections, start, end, step };

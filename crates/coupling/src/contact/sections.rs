@@ -6,6 +6,10 @@
 //! `h = sqrt(a^2 u1^2 + b^2 u2^2)` in the direction `u`, and aside. At an object that is exact as
 //! far as this is flat; of two ellipses side by side the normal stays that of their axes, and the
 //! gap along it is that of two planes between them, at most what it is.
+//!
+//! A section that is pressed rocks about the place where it lies flat, the faster the harder it is
+//! pressed, and its places follow from list to list, not within a solve. What would rock faster
+//! than a step can follow is pressed along the normal, without what is aside.
 
 use crate::contact_point::{BodyRef, ContactPoint};
 use nalgebra::Vector3;
@@ -19,6 +23,8 @@ pub(crate) struct SectionShapes {
     pub(crate) radii: Vec<f64>,
     /// Semi-axes of each segment along d1 and d2, m; none where all are round.
     semi_axes: Vec<[f64; 2]>,
+    /// Polar inertia of each segment, kg m^2; none where all are round.
+    inertias: Vec<f64>,
     /// The smallest ratio of a semi-axis to the other.
     flatness: f64,
 }
@@ -45,15 +51,22 @@ impl SectionShapes {
             a.min(b) / a.max(b)
         });
         let flatness = ratios.fold(1.0, f64::min);
-        let both = || along(|(a, _)| a).into_iter().zip(along(|(_, b)| b));
-        let semi_axes = if flatness < 1.0 { both().map(|(a, b)| [a, b]).collect() } else { vec![] };
-        Self { radii: along(|(a, b)| a.max(b)), semi_axes, flatness }
+        let radii = along(|(a, b)| a.max(b));
+        if flatness == 1.0 {
+            return Self::round(radii);
+        }
+        let both = along(|(a, _)| a).into_iter().zip(along(|(_, b)| b));
+        let semi_axes: Vec<_> = both.map(|(a, b)| [a, b]).collect();
+        let own = |fiber: &'_ Fiber| (0..fiber.segments()).map(|s| fiber.segment_mass(s)).collect();
+        let masses: Vec<Vec<f64>> = assembly.fibers().iter().map(own).collect();
+        let inertia = |(mass, [a, b]): (f64, &[f64; 2])| 0.25 * mass * (a * a + b * b);
+        let inertias = masses.into_iter().flatten().zip(&semi_axes).map(inertia).collect();
+        Self { radii, semi_axes, inertias, flatness }
     }
 
     /// Circles with these radii, m.
-    #[cfg(test)]
-    pub(crate) fn tubes(radii: Vec<f64>) -> Self {
-        Self { radii, semi_axes: Vec::new(), flatness: 1.0 }
+    pub(crate) fn round(radii: Vec<f64>) -> Self {
+        Self { radii, semi_axes: Vec::new(), inertias: Vec::new(), flatness: 1.0 }
     }
 
     /// Whether all sections are circles.
@@ -103,6 +116,30 @@ impl OrientedSections<'_> {
                 let place = self.support(segment, &towards);
                 point.gap += self.shapes.radii[segment] - place.dot(&towards);
                 point.seat(side, place);
+            }
+        });
+    }
+
+    /// Moves places that bear something, by what rests on them in a step of `dt` seconds, along the
+    /// normal of those that would rock too fast: a moment that acts aside by `x` turns a section
+    /// within the step so far that the place moves by so many times `x`.
+    pub(crate) fn settle(&self, layout: &Layout, dt: f64, points: &mut [ContactPoint]) {
+        if self.directors.is_empty() {
+            return;
+        }
+        let bears = |point: &&mut ContactPoint| point.impulse != Vector3::zeros();
+        points.par_iter_mut().filter(bears).for_each(|point| {
+            for side in 0..2 {
+                let BodyRef::Fiber(fiber) = point.sides[side] else { continue };
+                let first = layout.segment_range(fiber as usize).start;
+                let segment = first + point.segments[side] as usize;
+                let [a, b] = self.shapes.semi_axes[segment];
+                let place = point.offsets[side];
+                let height = point.normal * place.dot(&point.normal);
+                let roll = (a * a - b * b).abs() / height.norm().max(a.min(b));
+                let pressed = point.impulse.dot(&point.normal).abs();
+                let times = pressed * dt * roll / self.shapes.inertias[segment];
+                point.seat(side, height + (place - height) / (1.0 + times));
             }
         });
     }

@@ -26,11 +26,12 @@ const CAPSTAN_STEPS: usize = 100;
 pub(super) fn capstan(sample: &LabSample) -> Result<Reading, SimError> {
     let on = FrictionSurface::Nylon;
     let wetness = sample.wetness();
-    let section = sample.hair()?.section(&sample.climate);
+    // It lies flat, and bends the way that is easy.
+    let (_, height) = sample.hair()?.section(&sample.climate).semi_axes();
     // The segments are chords whose middles touch the cylinder; the legs end half a segment above
     // it.
     let turn = PI / ARC as f64;
-    let axis = (RADIUS + section.equivalent_radius()) * (1.0 + turn * turn / 12.0);
+    let axis = (RADIUS + height) * (1.0 + turn * turn / 12.0);
     let segment = axis * turn;
     let leg = CAPSTAN_LEG as f64 * segment;
     let wet = if wetness == Wetness::Wet { "Wet" } else { "Dry" };
@@ -39,7 +40,10 @@ pub(super) fn capstan(sample: &LabSample) -> Result<Reading, SimError> {
             format: 1, duration: 1.0, stepper: (dt: {DT:?}), environment: (gravity: (0, 0, 0)),
             fibers: [(
                 length: {:?}, segments: {}, initial: Straight, section: Circle(radius: 1e-5),
-                root: (position: ({:?}, 0, {:?}), orientation: Along(direction: (0, 0, 1))),
+                root: (
+                    position: ({:?}, 0, {:?}),
+                    orientation: Along(direction: (0, 0, 1), roll: 90),
+                ),
                 motion: Translate(velocity: (0, 0, {:?}), until: 1.0),
                 tip: Loaded(force: (value: (0, 0, {:?}))),
             )],
@@ -58,7 +62,7 @@ pub(super) fn capstan(sample: &LabSample) -> Result<Reading, SimError> {
     // Over the cylinder, and as if it had always been so.
     let over = world.assembly().fibers()[0].clone().with_natural_curvature(|s| {
         let bent = s > leg - 0.5 * segment && s < leg + PI * axis - 0.5 * segment;
-        if bent { Vector3::y() / axis } else { Vector3::zeros() }
+        if bent { Vector3::x() / axis } else { Vector3::zeros() }
     });
     let start = super::sample::natural(&over.map_err(KeratinError::from)?)?;
     world.set_state(0, &start)?;

@@ -37,7 +37,7 @@ fn rest(mu: f64, loads: &[f64]) -> Vec<Rest> {
     let modulus = 4.0 / (PI * flat[0].powi(3) * flat[1]);
     let density = 0.01 / (PI * thin * thin);
     // The middles of chords are on the drum, the axis on average at its radius.
-    let drum = RADIUS / (1.0 + (SEGMENT / RADIUS).powi(2) / 12.0) - thin;
+    let drum = RADIUS / (1.0 + (SEGMENT / RADIUS).powi(2) / 12.0) - flat[0];
     let [behind, before] = [3.0 * RADIUS, 9.0 * RADIUS];
     let (dt, steps) = (0.02, 100_u32);
     let hold = dt * f64::from(steps);
@@ -61,7 +61,7 @@ fn rest(mu: f64, loads: &[f64]) -> Vec<Rest> {
         flat[0],
         flat[1],
         -behind,
-        drum + thin + 1e-6,
+        drum + flat[0] + 1e-6,
     ));
     let down = -Vector3::z();
     let rests = loads.iter().map(|&load| {
