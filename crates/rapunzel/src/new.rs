@@ -23,12 +23,17 @@ pub(crate) fn new(options: &NewOptions, json: bool) -> Result<ExitCode, Failure>
     // It is copied here, not into a folder of its own.
     let (folder, own) = name.rsplit_once('/').unwrap_or(("", name));
     let path = options.file.clone().unwrap_or_else(|| PathBuf::from(format!("{own}.ron")));
-    write(&path, text, options.force)?;
+    let files: Vec<&Path> = scene.iter().flat_map(Scene::files).collect();
+    // What it names lies beside it, wherever it lies among the scenes that ship.
+    let named = |text: String, file: &&Path| match (file.to_str(), file.file_name()) {
+        (Some(old), Some(new)) => text.replace(old, &new.to_string_lossy()),
+        _ => text,
+    };
+    write(&path, &files.iter().fold(text.to_owned(), named), options.force)?;
     let mut written = vec![path.clone()];
-    for file in scene.iter().flat_map(Scene::files) {
-        let beside = path.with_file_name(file);
-        let template = format!("{folder}/{}", file.with_extension("").display());
-        if let Some(text) = templates::text(&template)
+    for file in files {
+        let beside = path.with_file_name(file.file_name().unwrap_or_default());
+        if let Some(text) = templates::text(&template_of(folder, file))
             && !written.contains(&beside)
             && (options.force || !beside.exists())
         {
@@ -45,6 +50,19 @@ pub(crate) fn new(options: &NewOptions, json: bool) -> Result<ExitCode, Failure>
         }
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// Name of the template that a scene in a folder of the templates names by a path.
+fn template_of(folder: &str, file: &Path) -> String {
+    let mut parts: Vec<String> = folder.split('/').map(str::to_owned).collect();
+    for part in file.with_extension("").iter() {
+        if part == ".." {
+            parts.pop();
+        } else {
+            parts.push(part.to_string_lossy().into_owned());
+        }
+    }
+    parts.join("/")
 }
 
 /// Writes a text into a new file, or by `force` into one that is there.

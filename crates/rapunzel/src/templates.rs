@@ -21,6 +21,8 @@ templates![
     "lock-on-moving-root",
     "water-wave",
     "contact/lock-on-ball",
+    "contact/head",
+    "contact/turned-head",
     "charge/tress",
     "charge/tress-without-gravity",
     "charge/van-de-graaff",
@@ -47,6 +49,7 @@ templates![
     "style/afro",
     "style/wavy",
     "style/curly",
+    "style/standing",
     "style/tress",
     "style/shaken-head",
 ];

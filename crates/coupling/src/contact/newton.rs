@@ -8,10 +8,12 @@ use super::stepper::{ContactStepper, PATIENCE};
 use super::substep::Substep;
 use super::substep_failure::SubstepFailure;
 use super::system::CoupledSystem;
+use crate::FiberGroup;
 use crate::contact_point::ContactPoint;
 use crate::phase_times::PhaseTimer;
 use rapunzel_collision::CollisionError;
 use rapunzel_contact::Tolerance;
+use rapunzel_rod_dynamic::Impulses;
 use rapunzel_scene::{ContactMethod, ContactSettings};
 
 /// Most iterations of Newton's method with one list of contacts.
@@ -21,7 +23,7 @@ const SMALL_TURN: f64 = 1e-4;
 /// After one that is smaller than this the next is taken to be: it is of the order of the square.
 /// Of a falling lock it was the square, and 190 times that at worst, where that was less than a
 /// third of what may stay.
-const LAST_TURN: f64 = 1e-3;
+pub(super) const LAST_TURN: f64 = 1e-3;
 /// Where segments still turn by more than this, rad, the step leads nowhere: two shorter ones cost
 /// less.
 const LOST: f64 = 0.5;
@@ -59,12 +61,14 @@ impl ContactStepper {
                 return Ok(false);
             }
             let mut laps = PhaseTimer::start(self.stopwatch);
-            let own = largest(system.fibers.for_groups(|group| group.linearize())?);
+            let still = case.still(system, &part.turns);
+            let own = largest(&system.fibers.for_groups(&still, |group| group.linearize())?);
             laps.lap(&mut self.times.rods);
             if solved && own < SMALL_TURN {
                 return Ok(true);
             }
-            let (increment, reached) = self.iterate(system, part, case, effort, patient)?;
+            let (increment, reached) =
+                self.iterate(system, part, case, effort, (patient, &still))?;
             (turn, exact) = (increment, effort.is_last());
             // Fibres may be so entangled by where the step began that no impulses let them through.
             let left = case.error().unwrap_or(f64::INFINITY);
@@ -82,7 +86,8 @@ impl ContactStepper {
         }
     }
 
-    /// One iteration of Newton's method, with the rods as they are linearised. Returns the largest
+    /// One iteration of Newton's method, with the rods as they are linearised, but groups that are
+    /// `still`. Returns the largest
     /// increment, rad, and whether the contacts were solved as well as asked.
     fn iterate(
         &mut self,
@@ -90,16 +95,19 @@ impl ContactStepper {
         part: &mut Substep,
         case: &mut ContactProblem,
         effort: ForcingTerm,
-        patient: bool,
+        (patient, still): (bool, &[bool]),
     ) -> Result<(f64, bool), SubstepFailure> {
         self.solver.set_tolerance(effort.of(&self.tolerance(part.dt)));
         let mut laps = PhaseTimer::start(self.stopwatch);
         let one = case.solve(system, &mut self.solver, patient)?;
         laps.lap(&mut self.times.solver);
-        let turns = system.fibers.with_impulses(case.pushes(), |group, own| group.advance(own))?;
+        let advance = |group: &mut FiberGroup<_>, own: Impulses| group.advance(own);
+        let turns = system.fibers.with_impulses(still, case.pushes(), advance)?;
         system.push(case.pushes(), part.time, part.dt)?;
         case.turned(&turns);
-        let turn = largest(turns);
+        let turn = largest(&turns);
+        let last = part.turns.iter_mut().zip(&turns).zip(still);
+        last.filter(|(_, still)| !**still).for_each(|((last, turn), _)| *last = *turn);
         laps.lap(&mut self.times.rods);
         let found = case.certificate(system, &system.fibers.mean_velocities());
         case.set_error(self.tolerance(part.dt).error(&found));
@@ -153,6 +161,6 @@ impl ContactStepper {
     }
 }
 
-fn largest(turns: Vec<f64>) -> f64 {
-    turns.into_iter().fold(0.0, f64::max)
+fn largest(turns: &[f64]) -> f64 {
+    turns.iter().copied().fold(0.0, f64::max)
 }

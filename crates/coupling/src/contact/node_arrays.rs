@@ -172,19 +172,25 @@ impl Fibers<StaggeredBatch> {
         FiberImpulses { nodes, segments }
     }
 
-    /// Lets every group do something, in parallel. Of several errors the first group's is told.
-    pub(super) fn for_groups<T: Send>(
+    /// Lets every group do something, in parallel, but those that are `still`, of which the default
+    /// is told. Of several errors the first group's is told.
+    pub(super) fn for_groups<T: Default + Send>(
         &mut self,
+        still: &[bool],
         act: impl Fn(&mut FiberGroup<StaggeredBatch>) -> Result<T, StepError> + Sync + Send,
     ) -> Result<Vec<T>, StepError> {
-        let results: Vec<_> = self.groups.par_iter_mut().map(act).collect();
+        let groups = self.groups.par_iter_mut().zip(still);
+        let results =
+            groups.map(|(group, still)| if *still { Ok(T::default()) } else { act(group) });
+        let results: Vec<_> = results.collect();
         results.into_iter().collect()
     }
 
-    /// Lets every group do something with the impulses on all its fibres, in parallel. Of several
-    /// errors the first group's is told.
-    pub(super) fn with_impulses<T: Send>(
+    /// Lets every group do something with the impulses on all its fibres, in parallel, but those
+    /// that are `still`, of which the default is told. Of several errors the first group's is told.
+    pub(super) fn with_impulses<T: Default + Send>(
         &mut self,
+        still: &[bool],
         pushes: impl Iterator<Item = ContactImpulse>,
         act: impl Fn(&mut FiberGroup<StaggeredBatch>, Impulses) -> Result<T, StepError> + Sync + Send,
     ) -> Result<Vec<T>, StepError> {
@@ -193,7 +199,7 @@ impl Fibers<StaggeredBatch> {
         let ranges: Vec<_> = (0..layout.fibers())
             .map(|fiber| (layout.node_range(fiber), layout.segment_range(fiber)))
             .collect();
-        self.for_groups(|group| {
+        self.for_groups(still, |group| {
             let (mut of_nodes, mut of_segments) = (Vec::new(), Vec::new());
             for &fiber in &group.fibers {
                 let (own, between) = ranges[fiber].clone();

@@ -1,5 +1,4 @@
 use super::adhesive_film::AdhesiveFilm;
-use super::contact_work::ContactWork;
 use super::detection::{ContactDetector, Overlaps};
 use super::forcing_term::ForcingTerm;
 use super::initial_overlaps;
@@ -175,8 +174,7 @@ impl ContactStepper {
         last: bool,
     ) -> Result<StepReport, SubstepFailure> {
         self.solver.forget();
-        let mut part =
-            Substep { time, dt, work: ContactWork::default(), report: StepReport::default() };
+        let mut part = Substep::new(time, dt, system.fibers.groups.len());
         // It is forces that last: impulses grow with the step.
         let scale = self.memory.dt.map_or(0.0, |before| dt / before);
         let first = self.memory.dt.is_none();
@@ -224,9 +222,9 @@ impl ContactStepper {
         let (time, dt) = (part.time, part.dt);
         let mut laps = PhaseTimer::start(self.stopwatch);
         system.push(expected.pushes(), time, dt)?;
-        system
-            .fibers
-            .with_impulses(expected.pushes(), |group, own| group.set_out(time, dt, own))?;
+        system.fibers.with_impulses(&part.all(), expected.pushes(), |group, own| {
+            group.set_out(time, dt, own)
+        })?;
         laps.lap(&mut self.times.rods);
         let points = self.list(system, part, expected)?;
         if system.land(&points) {
@@ -330,7 +328,7 @@ impl ContactStepper {
         let case = ContactProblem::new(system, points, mean, part.dt, &laws, before, room)?;
         laps.lap(&mut self.times.laws);
         system.push(case.pushes(), part.time, part.dt)?;
-        system.fibers.with_impulses(case.pushes(), |group, own| group.press(own))?;
+        system.fibers.with_impulses(&part.all(), case.pushes(), |group, own| group.press(own))?;
         laps.lap(&mut self.times.rods);
         Ok(case)
     }

@@ -14,9 +14,22 @@ pub(super) struct Substep {
     pub(super) dt: f64,
     pub(super) work: ContactWork,
     pub(super) report: StepReport,
+    /// Largest last increment of Newton's method, by group, rad.
+    pub(super) turns: Vec<f64>,
 }
 
 impl Substep {
+    /// The substep that starts at `time` and takes `dt`, s, of a number of groups of fibres.
+    pub(super) fn new(time: f64, dt: f64, groups: usize) -> Self {
+        let (work, report) = (ContactWork::default(), StepReport::default());
+        Self { time, dt, work, report, turns: vec![f64::INFINITY; groups] }
+    }
+
+    /// That no group is still.
+    pub(super) fn all(&self) -> Vec<bool> {
+        vec![false; self.turns.len()]
+    }
+
     /// Positions of all nodes, m, at the start, and at the end if they have these mean velocities,
     /// m/s, and how flat sections lie then.
     pub(super) fn ends(

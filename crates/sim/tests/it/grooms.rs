@@ -260,12 +260,13 @@ fn a_groom_goes_through_every_format() {
 /// a test should.
 #[test]
 fn scenes_with_styles_that_ship_are_sound() {
-    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/style"));
-    for name in ["tress.ron", "shaken-head.ron"] {
-        let text = std::fs::read_to_string(folder.join(name)).expect("a scene");
+    let scenes = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes"));
+    for name in ["style/tress", "style/shaken-head", "contact/head", "contact/turned-head"] {
+        let path = scenes.join(format!("{name}.ron"));
+        let text = std::fs::read_to_string(&path).expect("a scene");
         let scene = Scene::from_ron(&text).unwrap_or_else(|e| panic!("{name}: {e}"));
         assert_eq!(Scene::from_ron(&scene.to_ron().expect("sound")).expect("reads back"), scene);
-        for file in scene.seen_from(folder).files() {
+        for file in scene.seen_from(path.parent().expect("a folder")).files() {
             assert!(file.exists(), "{name}: {}", file.display());
         }
     }

@@ -4,13 +4,14 @@ mod culling;
 mod parameters;
 mod residuals;
 mod rolling;
+mod sides;
 
 use super::group_body::{DelassusCache, GroupBody};
 use super::laws::ContactLaws;
 use super::node_arrays::FiberVelocities;
 use super::velocities::Velocities;
 use crate::contact::system::CoupledSystem;
-use crate::contact_point::{BodyRef, ContactImpulse, ContactPoint};
+use crate::contact_point::{ContactImpulse, ContactPoint};
 use culling::{ALWAYS, ContactCulling};
 use nalgebra::Vector3;
 use parameters::ContactParameters;
@@ -18,8 +19,8 @@ use rapunzel_contact::{
     Body, Contact, ContactError, ContactSolver, ErrorMasses, FreeMasses, LimitCurve, Report,
     Solver, Tolerance,
 };
-use rapunzel_rod_dynamic::Point;
 use rayon::prelude::*;
+use sides::{ContactSide, each, rod_point, traces};
 use std::sync::{Mutex, PoisonError};
 
 /// Residuals, and errors of velocities in m/s, below this take more than single precision.
@@ -37,9 +38,6 @@ const CHORD: f64 = 1e-2;
 
 /// Where a contact is not among those that are solved.
 const NONE: usize = usize::MAX;
-
-/// A side of a contact: the number of the contact, and 0 or 1.
-type ContactSide = (usize, usize);
 
 /// All contacts of a list, in the order of the contact points they are made of.
 pub(super) struct ContactProblem {
@@ -315,35 +313,12 @@ impl ContactProblem {
             let second = contact.second.map_or(0.0, |point| traces[point]);
             let (trace, moved) = (traces[contact.first] + second, free.of(contact));
             let judged = trace > 0.0 && (moved > 0.0 || !self.points[i].has_free());
-            let own = 3.0 / trace;
-            judged.then(|| ErrorMasses { own, moved: own.max(moved) })
+            judged.then(|| ErrorMasses { own: 3.0 / trace, moved: moved.max(3.0 / trace) })
         });
         let masses: Vec<Option<ErrorMasses>> = of_one.collect();
         for (&i, masses) in working.iter().zip(masses) {
             self.masses[i] = masses.unwrap_or(self.masses[i]);
         }
-    }
-
-    /// The sides of some contacts that move, by group of fibres and by object.
-    fn sides(&self, system: &CoupledSystem, contacts: &[usize]) -> [Vec<Vec<ContactSide>>; 2] {
-        let mut used = vec![Vec::new(); system.fibers.groups.len()];
-        let mut on_objects = vec![Vec::new(); system.objects.len()];
-        let moving = |&i: &usize| {
-            let point = &self.points[i];
-            [Some(point.sides[0]), (!point.kinematic).then_some(point.sides[1])]
-        };
-        let moving: Vec<_> = contacts.par_iter().map(moving).collect();
-        for (&i, sides) in contacts.iter().zip(moving) {
-            for (side, partner) in sides.into_iter().flatten().enumerate() {
-                match partner {
-                    BodyRef::Fiber(fiber) => {
-                        used[system.fibers.lane(fiber as usize).0].push((i, side));
-                    }
-                    BodyRef::Object(object) => on_objects[object as usize].push((i, side)),
-                }
-            }
-        }
-        [used, on_objects]
     }
 
     /// Impulses of the contacts that bear something or that the solver looked at last.
@@ -368,34 +343,4 @@ impl ContactProblem {
             || law.adhesion > 0.0
             || law.opening(&self.points[i], velocities) < 0.0
     }
-}
-
-/// How all points of some bodies answer themselves, 1/kg.
-fn traces(bodies: &mut [&mut dyn Body]) -> Vec<f64> {
-    let of_body = |body: &mut &mut dyn Body| {
-        let mut traces = vec![0.0; body.points()];
-        body.own_traces(&mut traces);
-        traces
-    };
-    bodies.par_iter_mut().map(of_body).collect::<Vec<_>>().concat()
-}
-
-/// A side of a contact point that is a fibre, as a point of its group.
-fn rod_point(system: &CoupledSystem, point: &ContactPoint, side: usize) -> Point {
-    let fiber = match point.sides[side] {
-        BodyRef::Fiber(fiber) => system.fibers.lane(fiber as usize).1,
-        BodyRef::Object(_) => 0,
-    };
-    let (segment, fraction, arm) = (point.segments[side], point.fractions[side], point.lever(side));
-    #[expect(clippy::cast_possible_truncation, reason = "there are eight lanes")]
-    Point { fiber: fiber as u32, segment, fraction, arm }
-}
-
-/// Something of every side, in lists as they are given.
-fn each<T: Send>(
-    sides: &[Vec<ContactSide>],
-    of_side: impl Fn(usize, usize) -> T + Sync,
-) -> Vec<Vec<T>> {
-    let list = |sides: &Vec<ContactSide>| sides.iter().map(|&(i, side)| of_side(i, side)).collect();
-    sides.par_iter().map(list).collect()
 }
