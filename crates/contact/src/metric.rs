@@ -19,10 +19,11 @@ const ROLLING: f64 = 2.0;
 
 /// About the most that all contacts together answer to impulses, in units of what each answers to
 /// its own in the metric of this `weight`: a bound where what a body's points answer to each other
-/// points one way, or turns it. In packs of hair it takes half of the iterations that it takes
-/// without [`ROLLING`], which descent outruns.
-pub(crate) fn largest_response(weight: f64) -> f64 {
-    weight * CROWDING * ROLLING
+/// points one way, and in a `crowd`, which presses fibres from all sides, where it rolls them. In
+/// packs of hair descent takes half of the iterations so; where heavy rests on light it would take
+/// more.
+pub(crate) fn largest_response(weight: f64, crowd: bool) -> f64 {
+    weight * CROWDING * if crowd { ROLLING } else { 1.0 }
 }
 
 /// Writes the metric, kg, of one side at each point of a body, at which there are `sides` of them,
