@@ -1,5 +1,6 @@
-use crate::ReproError;
+use crate::page::page;
 use crate::plot::{Drawing, svg};
+use crate::{NotRun, ReproError};
 use serde::Serialize;
 use std::fmt;
 use std::fs;
@@ -38,7 +39,7 @@ pub struct ClaimCheck {
     pub unit: &'static str,
     /// What the number must be, in its unit.
     pub criterion: Criterion,
-    /// What the thesis says.
+    /// What the thesis, or another theory, says.
     pub thesis: &'static str,
 }
 
@@ -68,7 +69,7 @@ pub fn check(
 
 impl ClaimCheck {
     /// A number that is none fails.
-    fn holds(&self) -> bool {
+    pub(crate) fn holds(&self) -> bool {
         match self.criterion {
             Criterion::AtMost(most) => self.obtained <= most,
             Criterion::AtLeast(least) => self.obtained >= least,
@@ -101,10 +102,11 @@ struct ManifestRecord<'a> {
     files: Vec<String>,
 }
 
-/// Writes the drawings, their tables and the manifest to `folder`.
+/// Writes the drawings, their tables, the page and the manifest to `folder`.
 pub(crate) fn write<D>(
     folder: &Path,
     figures: &[(&FigureEntry<D>, Figure)],
+    not_run: &[NotRun],
 ) -> Result<(), ReproError> {
     let refused = |path: &Path| {
         let path = path.to_owned();
@@ -138,6 +140,7 @@ pub(crate) fn write<D>(
             files: files.into_iter().map(|(name, _)| name).collect(),
         });
     }
+    atomically("page.html", &page(figures, not_run))?;
     atomically("manifest.json", &(serde_json::to_string_pretty(&records)? + "\n"))
 }
 
@@ -169,7 +172,7 @@ pub(crate) fn table<D>(figures: &[(&FigureEntry<D>, Figure)]) -> (String, usize)
 }
 
 /// Three digits, small and large numbers with a power of ten.
-fn shown(x: f64) -> String {
+pub(crate) fn shown(x: f64) -> String {
     match x.abs() {
         0.0 => "0".into(),
         size if (0.01..1e4).contains(&size) => format!("{x:.3}"),
