@@ -1,3 +1,4 @@
+use crate::page::page;
 use crate::report::{self, Figure, FigureEntry};
 use crate::{Fallible, NotRun, ReproError};
 use std::path::PathBuf;
@@ -57,7 +58,7 @@ fn run<D>(
     if figures.is_empty() {
         return Err(ReproError::NoSuchFigure(wanted.join(", ")));
     }
-    report::write(&folder, &figures, not_run)?;
+    report::write(&folder, &figures, &[("page.html", page(&figures, not_run))])?;
     let (table, failed) = report::table(&figures);
     println!("\n{table}");
     Ok(failed)

@@ -1,6 +1,5 @@
-use crate::page::page;
+use crate::ReproError;
 use crate::plot::{Drawing, svg};
-use crate::{NotRun, ReproError};
 use serde::Serialize;
 use std::fmt;
 use std::fs;
@@ -102,11 +101,11 @@ struct ManifestRecord<'a> {
     files: Vec<String>,
 }
 
-/// Writes the drawings, their tables, the page and the manifest to `folder`.
+/// Writes the drawings, their tables, other texts by their names, and the manifest to `folder`.
 pub(crate) fn write<D>(
     folder: &Path,
     figures: &[(&FigureEntry<D>, Figure)],
-    not_run: &[NotRun],
+    others: &[(&str, String)],
 ) -> Result<(), ReproError> {
     let refused = |path: &Path| {
         let path = path.to_owned();
@@ -140,7 +139,9 @@ pub(crate) fn write<D>(
             files: files.into_iter().map(|(name, _)| name).collect(),
         });
     }
-    atomically("page.html", &page(figures, not_run))?;
+    for (name, text) in others {
+        atomically(name, text)?;
+    }
     atomically("manifest.json", &(serde_json::to_string_pretty(&records)? + "\n"))
 }
 

@@ -5,6 +5,7 @@ use super::fiber_shape::{FiberShape, Initial};
 use super::groom::{Groom, GroomShape};
 use super::material::{Law, MaterialSpec};
 use super::motion::Motion;
+use super::section::check_section;
 use super::taper::{TaperPoint, Tapered, check_taper, check_taper_law};
 use super::tip::{JointKind, Profile, Tip};
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
@@ -279,28 +280,5 @@ impl Bundle {
                     take the groom's `natural: Drawn`";
         let loaded = matches!(self.tip, Tip::Loaded { .. }) && !self.has_end_loads();
         refuse(self.tip != Tip::Free && !loaded, "tip", free);
-    }
-}
-
-/// Reports problems of the section of a fibre of a length.
-pub(crate) fn check_section(check: &mut Check, section: &Section, length: f64) {
-    // A rod must be slender, and a NaN length has been refused already.
-    let thickest = if length > 0.0 { length / 10.0 } else { f64::MAX };
-    let size = |c: &mut Check, name: &str, value| {
-        c.number(name, value, Allowed::Positive, "m");
-        if value > thickest {
-            let message = format!(
-                "is {value:?}, but must be at most {thickest:?} (m), a tenth of the length: \
-                 a fibre is slender"
-            );
-            c.refuse(name, message);
-        }
-    };
-    match *section {
-        Section::Circle { radius } => size(check, "radius", radius),
-        Section::Ellipse { a, b } => {
-            size(check, "a", a);
-            size(check, "b", b);
-        }
     }
 }

@@ -21,6 +21,7 @@ mod output;
 mod parse;
 mod plan;
 mod read;
+mod section;
 mod speed;
 mod stepper;
 mod style;
@@ -54,9 +55,9 @@ pub use taper::TaperPoint;
 pub use tip::{JointKind, LoadFrame, Profile, TimedLoad, Tip};
 
 use check::{Allowed, Check};
-use fibers::check_section;
 use parse::parse;
 use rapunzel_keratin::Hair;
+use section::check_section;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 

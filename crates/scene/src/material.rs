@@ -1,5 +1,4 @@
 use super::check::{Allowed, Check};
-use super::taper::check_measured;
 use super::tip::Profile;
 use rapunzel_fiber::{self as fiber, NodeProperties, Section};
 use rapunzel_keratin::law::{MaxwellElement, Relaxation, ThreeElement, Viscoelastic};
@@ -267,6 +266,28 @@ impl MaterialSpec {
             let density = Some(*linear_density);
             check_measured(check, Some(bending), Some(*torsion), density, rotary_inertia.as_ref());
         }
+    }
+}
+
+/// Reports measured numbers that are out of their range.
+pub(crate) fn check_measured(
+    check: &mut Check,
+    bending: Option<&[f64; 2]>,
+    torsion: Option<f64>,
+    linear_density: Option<f64>,
+    rotary_inertia: Option<&[f64; 2]>,
+) {
+    for (i, stiffness) in bending.into_iter().flatten().enumerate() {
+        check.number(&format!("bending[{i}]"), *stiffness, Allowed::Positive, "N m^2");
+    }
+    if let Some(torsion) = torsion {
+        check.number("torsion", torsion, Allowed::Positive, "N m^2");
+    }
+    if let Some(density) = linear_density {
+        check.number("linear_density", density, Allowed::Positive, "kg/m");
+    }
+    for (i, inertia) in rotary_inertia.into_iter().flatten().enumerate() {
+        check.number(&format!("rotary_inertia[{i}]"), *inertia, Allowed::Positive, "kg m");
     }
 }
 

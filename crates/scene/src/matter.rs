@@ -11,10 +11,10 @@ use rapunzel_rod_dynamic::SectionLaws;
 
 /// Stiffness, mass and section of a straight fibre, all along it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct FiberMatter(Kind);
+pub struct FiberMatter(MatterKind);
 
 #[derive(Debug, Clone, PartialEq)]
-enum Kind {
+enum MatterKind {
     /// The same everywhere.
     Uniform(NodeProperties),
     /// A solid with other sections elsewhere: fractions of the length, ascending from 0 to 1, and
@@ -66,7 +66,7 @@ impl MeasuredSection {
 impl FiberMatter {
     /// The same everywhere.
     fn uniform(node: NodeProperties) -> Self {
-        Self(Kind::Uniform(node))
+        Self(MatterKind::Uniform(node))
     }
 
     /// A solid of a material, of one section, or of those of a table, in which it is left out where
@@ -76,7 +76,7 @@ impl FiberMatter {
             return Self::uniform(NodeProperties::new(section, &material));
         }
         let sections = taper.iter().map(|point| (point.at, point.section.unwrap_or(section)));
-        Self(Kind::Solid(material, sections.collect()))
+        Self(MatterKind::Solid(material, sections.collect()))
     }
 
     /// What is measured, everywhere the same or by a table.
@@ -85,19 +85,19 @@ impl FiberMatter {
             return Self::uniform(own.node(section));
         }
         let node = |point: &TaperPoint| own.at(point).node(point.section.unwrap_or(section));
-        Self(Kind::Measured(taper.iter().map(|point| (point.at, node(point))).collect()))
+        Self(MatterKind::Measured(taper.iter().map(|point| (point.at, node(point))).collect()))
     }
 
     /// The properties at a fraction of the length from the root, 0 to 1; naturally straight.
     #[must_use]
     pub fn at(&self, fraction: f64) -> NodeProperties {
         match &self.0 {
-            Kind::Uniform(node) => *node,
-            Kind::Solid(material, points) => {
+            MatterKind::Uniform(node) => *node,
+            MatterKind::Solid(material, points) => {
                 let ([a, b], t) = around(points, fraction);
                 NodeProperties::new(between_sections(&a, &b, t), material)
             }
-            Kind::Measured(points) => {
+            MatterKind::Measured(points) => {
                 let ([a, b], t) = around(points, fraction);
                 NodeProperties {
                     section: between_sections(&a.section, &b.section, t),
@@ -113,7 +113,7 @@ impl FiberMatter {
     /// The properties of all nodes of a fibre in segments of these lengths, m.
     #[must_use]
     pub fn along(&self, lengths: &[f64]) -> Vec<NodeProperties> {
-        if let Kind::Uniform(node) = &self.0 {
+        if let MatterKind::Uniform(node) = &self.0 {
             return vec![*node; lengths.len() + 1];
         }
         let whole: f64 = lengths.iter().sum();
@@ -127,9 +127,9 @@ impl FiberMatter {
     /// Fractions of the length between which the properties change smoothly, but for 0 and 1.
     pub fn kinks(&self) -> impl Iterator<Item = f64> {
         let all: Vec<f64> = match &self.0 {
-            Kind::Uniform(_) => Vec::new(),
-            Kind::Solid(_, points) => points.iter().map(|point| point.0).collect(),
-            Kind::Measured(points) => points.iter().map(|point| point.0).collect(),
+            MatterKind::Uniform(_) => Vec::new(),
+            MatterKind::Solid(_, points) => points.iter().map(|point| point.0).collect(),
+            MatterKind::Measured(points) => points.iter().map(|point| point.0).collect(),
         };
         all.into_iter().filter(|at| *at > 0.0 && *at < 1.0)
     }
@@ -137,7 +137,7 @@ impl FiberMatter {
     /// Whether it is the same everywhere.
     #[must_use]
     pub fn is_uniform(&self) -> bool {
-        matches!(self.0, Kind::Uniform(_))
+        matches!(self.0, MatterKind::Uniform(_))
     }
 
     /// An equivalent radius, m, that no section exceeds, and where there is one section its own.
@@ -149,9 +149,11 @@ impl FiberMatter {
             (a * b).sqrt()
         };
         match &self.0 {
-            Kind::Uniform(node) => node.section.equivalent_radius(),
-            Kind::Solid(_, points) => largest(&mut points.iter().map(|point| point.1)),
-            Kind::Measured(points) => largest(&mut points.iter().map(|point| point.1.section)),
+            MatterKind::Uniform(node) => node.section.equivalent_radius(),
+            MatterKind::Solid(_, points) => largest(&mut points.iter().map(|point| point.1)),
+            MatterKind::Measured(points) => {
+                largest(&mut points.iter().map(|point| point.1.section))
+            }
         }
     }
 
@@ -273,7 +275,7 @@ fn tapered_hair(
         Ok((point.at, own))
     };
     let sections: Vec<_> = taper.iter().map(swollen).collect::<Result<_, KeratinError>>()?;
-    Ok(FiberMatter(Kind::Solid(material, sections)))
+    Ok(FiberMatter(MatterKind::Solid(material, sections)))
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
-use super::check::{Allowed, Check};
-use super::fibers::check_section;
-use super::material::{Law, MaterialSpec};
+use super::check::Check;
+use super::material::{Law, MaterialSpec, check_measured};
+use super::section::check_section;
 use rapunzel_fiber::Section;
 use serde::{Deserialize, Serialize};
 
@@ -94,28 +94,6 @@ impl TaperPoint {
             check.refuse(field, message.into());
         }
         check_measured(check, bending.as_ref(), *torsion, *linear_density, rotary_inertia.as_ref());
-    }
-}
-
-/// Reports measured numbers that are out of their range.
-pub(crate) fn check_measured(
-    check: &mut Check,
-    bending: Option<&[f64; 2]>,
-    torsion: Option<f64>,
-    linear_density: Option<f64>,
-    rotary_inertia: Option<&[f64; 2]>,
-) {
-    for (i, stiffness) in bending.into_iter().flatten().enumerate() {
-        check.number(&format!("bending[{i}]"), *stiffness, Allowed::Positive, "N m^2");
-    }
-    if let Some(torsion) = torsion {
-        check.number("torsion", torsion, Allowed::Positive, "N m^2");
-    }
-    if let Some(density) = linear_density {
-        check.number("linear_density", density, Allowed::Positive, "kg/m");
-    }
-    for (i, inertia) in rotary_inertia.into_iter().flatten().enumerate() {
-        check.number(&format!("rotary_inertia[{i}]"), *inertia, Allowed::Positive, "kg m");
     }
 }
 

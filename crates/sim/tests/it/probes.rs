@@ -57,7 +57,9 @@ fn a_hair_at_rest_bears_its_weight() {
     let energies = last_row(&path.join("energies.csv"));
     // The same again in a world, whose state says where the weights are.
     let mut world = World::build(&scene).expect("a world");
-    (0..200).for_each(|_| drop(world.step(2.0).expect("a step")));
+    for _ in 0..200 {
+        world.step(2.0).expect("a step");
+    }
     let (state, fiber) = (world.state(0), &world.assembly().fibers()[0]);
     let gravity = Vector3::new(0.0, 0.0, -9.81);
     let weight = |node: usize| {

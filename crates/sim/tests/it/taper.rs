@@ -204,7 +204,9 @@ fn what_is_measured_moves_as_the_solid_with_these_numbers_and_resumes_bit_for_bi
     assert!((node.linear_density / (density * area) - 1.0).abs() < 1e-15);
     let swung = |scene: &Scene, steps: usize| {
         let mut world = World::build(scene).expect("a world");
-        (0..steps).for_each(|_| drop(world.step(2e-3).expect("a step")));
+        for _ in 0..steps {
+            world.step(2e-3).expect("a step");
+        }
         world
     };
     let measured = scene(&measured, "");
@@ -214,7 +216,9 @@ fn what_is_measured_moves_as_the_solid_with_these_numbers_and_resumes_bit_for_bi
     let (half, whole) = (swung(&tapered, 10).snapshot(), swung(&tapered, 20));
     let mut resumed = World::build(&tapered).expect("a world");
     resumed.restore(&half).expect("its own");
-    (0..10).for_each(|_| drop(resumed.step(2e-3).expect("a step")));
+    for _ in 0..10 {
+        resumed.step(2e-3).expect("a step");
+    }
     assert_eq!(resumed.state(0), whole.state(0));
     // The scene survives being written, and its memory is that of its nodes.
     let written = tapered.to_ron().expect("a sound scene");
