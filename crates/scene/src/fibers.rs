@@ -242,7 +242,7 @@ impl Bundle {
         check.within("motion", |c| self.motion.check(c));
         check.vector("velocity", &self.velocity, "m/s");
         check.within("root_joint", |c| self.root_joint.check(c));
-        if self.root_joint == JointKind::Free && self.motion != Motion::Fixed {
+        if self.root_joint.is_free() && self.motion != Motion::Fixed {
             let message = "moves the root, but root_joint lets it move freely; leave one out";
             check.refuse("motion", message.into());
         }

@@ -166,6 +166,7 @@ impl Scene {
                 && match &bundle.root_joint {
                     JointKind::Clamped | JointKind::Free => true,
                     JointKind::Ball { moment } => *moment == TimedLoad::default(),
+                    JointKind::Loaded { .. } => false,
                 }
         };
         let unmoved = |o: &Object| o.moves != Moves::Led || o.motion == Motion::Fixed;

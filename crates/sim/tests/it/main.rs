@@ -11,6 +11,7 @@ mod compliant;
 mod contact;
 mod crossed;
 mod crossing;
+mod ends;
 mod grooms;
 mod knot;
 mod laboratory;
