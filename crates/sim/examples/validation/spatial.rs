@@ -1,7 +1,7 @@
 //! Rods that bend and twist in space.
 
 use crate::discrete::{Convergence, errors, frame, rests, rod};
-use crate::theory::{LocalisedHelix, lateral_buckling};
+use crate::theory::{LocalisedHelix, lateral_buckling, writhing_tension};
 use nalgebra::{Isometry3, Point3, Rotation3, UnitQuaternion, Vector3};
 use rapunzel_fiber::so3;
 use rapunzel_repro::plot::{Chart, Curve, Drawing};
@@ -197,35 +197,32 @@ pub(crate) fn localised_helix() -> Fallible<Figure> {
     })
 }
 
-/// A rod between two bearings that twist it writhes: under the moment M it then pulls by
-/// `M^2 / 4 B - pi^2 B / L^2` (Greenhill 1883), which for long rods is `M^2 = 4 B T`.
+/// A rod that is clamped and twisted writhes, at a moment that grows with its tension: of long rods
+/// at `M^2 = 4 B T`.
 pub(crate) fn writhing() -> Fallible<Figure> {
     let mut all = Vec::new();
     for turns in [2.0, 3.0] {
-        let moment = 2.0 * PI * turns;
-        let right = 0.25 * moment * moment - PI * PI;
-        // The tension of a rod whose ends have come together by a part of its length.
-        let tension = |shortening: f64, n: usize| -> Fallible<f64> {
-            let root = frame(Vector3::x(), Vector3::z());
+        let angle = 2.0 * PI * turns;
+        let right = writhing_tension(angle);
+        // How much more tension than that at which its moment lets it writhe a rod has whose ends
+        // have come together by a part of its length.
+        let excess = |shortening: f64, n: usize| -> Fallible<f64> {
+            let root = UnitQuaternion::identity();
             let rod = rod(root, (1.0, n), |_| Vector3::repeat(1.0), Vector3::zeros(), 1.0)?;
-            let pinned = |z: f64, moment: f64| End::Pinned {
-                position: Point3::new(0.0, 0.0, z),
-                moment: Load::World(moment * Vector3::z()),
-            };
+            let turned = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), angle);
+            let place = Vector3::new(0.0, 0.0, 1.0 - shortening);
             let mut conditions = Instant::clamped(*rod.fiber.root(), Vector3::zeros());
-            conditions.root = pinned(0.0, -moment);
-            conditions.tip = pinned(1.0 - shortening, moment);
-            let start = writhed(moment, shortening, n);
-            let state = rests(&rod, &conditions, Some(start))?;
-            Ok(state.forces[n / 2].z)
+            conditions.tip = End::Held(Isometry3::from_parts(place.into(), turned));
+            let state = rests(&rod, &conditions, Some(writhed(angle, shortening, n)))?;
+            Ok(state.forces[n / 2].z - writhing_tension(state.curvatures[n / 2].z))
         };
         // The line through two shortenings, at none.
-        let onset = |n: usize| Ok(2.0 * tension(1e-3, n)? - tension(2e-3, n)?);
-        let name = format!("tension, moment of {turns} turns");
+        let onset = |n: usize| Ok(right + 2.0 * excess(1e-3, n)? - excess(2e-3, n)?);
+        let name = format!("tension, twist of {turns} turns");
         all.push(Convergence::of(name, &[40, 80, 160], right, onset)?);
     }
     Ok(Figure {
-        scene: "a rod between two ball joints under twisting moments",
+        scene: "a rod between two clamps, twisted",
         parameters: "B = C = L = 1; at the onset, from shortenings of 0.1 and 0.2 per cent",
         checks: all.iter().flat_map(|one| one.checks("B / L^2", "Greenhill")).collect(),
         drawings: vec![errors(&all)],

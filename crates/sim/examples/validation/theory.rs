@@ -65,7 +65,7 @@ pub(crate) fn tip_load(a: f64) -> [f64; 2] {
         };
         [of(first_kind), of(second_kind)]
     };
-    let angle = zero(1e-9, FRAC_PI_2 - 1e-9, |angle| integrals(angle)[0] - a.sqrt());
+    let angle = zero(1e-9, FRAC_PI_2 - 1e-6, |angle| integrals(angle)[0] - a.sqrt());
     let [_, second] = integrals(angle);
     [(2.0 * angle.sin() / a).sqrt(), 1.0 - 2.0 * second / a.sqrt()]
 }
@@ -92,6 +92,28 @@ pub(crate) fn lateral_buckling() -> f64 {
         sum
     };
     2.0 * zero(1.0, 3.0, bessel)
+}
+
+/// The tension at which a clamped rod writhes under the twisting moment `moment`, with `B = L = 1`.
+///
+/// Beside the straight line there are `exp(i k s)` with `k = a + b` and `a - b`, where `a = M / 2`
+/// and `b^2 = a^2 - T`, and a straight line that is tilted; with `x = k / 2` both clamps ask for
+/// `(sin x - x cos x) y sin y = (sin y - y cos y) x sin x`. Without tension it is `tan x = x`, without
+/// moment Euler's load of clamped ends; of long rods it is `M^2 = 4 T` (Greenhill 1883).
+pub(crate) fn writhing_tension(moment: f64) -> f64 {
+    let a = 0.5 * moment;
+    let clamps = |b: f64| {
+        let [x, y] = [0.5 * (a + b), 0.5 * (a - b)];
+        let bent = |x: f64| x.sin() - x * x.cos();
+        // Of equal roots it vanishes always.
+        (bent(x) * y * y.sin() - bent(y) * x * x.sin()) / b
+    };
+    let mut b = 1e-3;
+    while clamps(b + 0.01) * clamps(b) > 0.0 {
+        b += 0.01;
+    }
+    let b = zero(b, b + 0.01, clamps);
+    a * a - b * b
 }
 
 /// A localised helix of a rod with `B = C = 1` under the tension 1 and the twisting moment `m`,
@@ -133,7 +155,7 @@ impl LocalisedHelix {
         let mut points = Vec::new();
         for step in 0..=2 * n * FINE {
             let s = -half + f64::from(step) * h;
-            if step % FINE == 0 {
+            if step.is_multiple_of(FINE) {
                 points.push(HelixPoint { angles: [self.cosine(s).acos(), psi, roll], position });
             }
             // Simpson's rule, for what turns and then for what that leads along.
@@ -175,6 +197,14 @@ mod tests {
             assert!((along - x).abs() < 1e-9 && (down - z).abs() < 1e-9, "{along} {down}");
         }
         assert!((lateral_buckling() - 4.012_599_344).abs() < 1e-9);
+        // Clamped ends without tension, and without a moment.
+        assert!(
+            writhing_tension(8.986_818_916).abs() < 1e-7,
+            "{}",
+            writhing_tension(8.986_818_916)
+        );
+        let euler = -4.0 * std::f64::consts::PI.powi(2);
+        assert!((writhing_tension(1e-6) - euler).abs() < 1e-6, "{}", writhing_tension(1e-6));
     }
 
     /// The twist is the moment over the stiffness, and the ends come together by

@@ -199,7 +199,7 @@ pub(crate) fn stick_slip() -> Fallible<Figure> {
         if before < middle && angle >= middle {
             times.push(dt * (f64::from(step - 1) + part));
         }
-        if step % 100 == 0 {
+        if step.is_multiple_of(100) {
             points.push([dt * f64::from(step), angle]);
         }
         before = angle;

@@ -154,8 +154,8 @@ fn probes_of_what_is_not_there_are_refused_with_their_place() {
         );
         Scene::from_ron(&text).expect_err("nonsense").to_string()
     };
-    let touching = "contact: (),";
-    let remembers = "Keratin(type: Caucasian, law: ThreeElement)";
+    let touching = "contact: (friction: Isotropic(0.3)),";
+    let remembers = "Keratin(type: \"Caucasian\", law: ThreeElement)";
     let cases = [
         ("(node: At(index: 3), quantity: Reaction)", "", "Hair", "node", "no end"),
         ("(quantity: Moment)", "", remembers, "quantity", "law Elastic"),
