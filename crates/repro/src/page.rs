@@ -1,6 +1,6 @@
 //! Figures, their checks and what is not run as one page.
 
-use crate::report::{Criterion, Figure, FigureEntry, shown};
+use crate::report::{Criterion, Figure, FigureEntry};
 
 /// What a program leaves out of what could be asked of it.
 pub struct NotRun {
@@ -45,7 +45,7 @@ pub(crate) fn page<D>(figures: &[(&FigureEntry<D>, Figure)], not_run: &[NotRun])
             text += &format!(
                 "<tr><td>{}<td>{} {}<td>{}<td>{}<td class=\"{verdict}\">{verdict}</tr>\n",
                 escaped(&check.compared),
-                shown(check.obtained),
+                check.told(),
                 escaped(check.unit),
                 escaped(&check.criterion.to_string()),
                 escaped(check.thesis)

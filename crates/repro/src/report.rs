@@ -55,6 +55,17 @@ pub enum Criterion {
     Told,
 }
 
+impl Criterion {
+    /// Decimals that tell the ends of an interval apart, with one more; `None` where there is no
+    /// interval, or it is too narrow to be written so.
+    fn decimals(self) -> Option<usize> {
+        let Self::Within(least, most) = self else { return None };
+        let needed = (1.0 - (most - least).log10().floor()).max(2.0);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "2 to 12")]
+        (needed <= 12.0).then_some(needed as usize)
+    }
+}
+
 /// A claim of the thesis and our number.
 pub fn check(
     compared: impl Into<String>,
@@ -67,6 +78,14 @@ pub fn check(
 }
 
 impl ClaimCheck {
+    /// The number in digits, as many as its criterion has.
+    pub(crate) fn told(&self) -> String {
+        match self.criterion.decimals() {
+            Some(count) => format!("{:.count$}", self.obtained),
+            None => shown(self.obtained),
+        }
+    }
+
     /// A number that is none fails.
     pub(crate) fn holds(&self) -> bool {
         match self.criterion {
@@ -83,7 +102,10 @@ impl fmt::Display for Criterion {
         match self {
             Self::AtMost(most) => write!(f, "<= {most}"),
             Self::AtLeast(least) => write!(f, ">= {least}"),
-            Self::Within(least, most) => write!(f, "{least} .. {most}"),
+            Self::Within(least, most) => match self.decimals() {
+                Some(count) => write!(f, "{least:.count$} .. {most:.count$}"),
+                None => write!(f, "{least} .. {most}"),
+            },
             Self::Told => write!(f, "-"),
         }
     }
@@ -162,7 +184,7 @@ pub(crate) fn table<D>(figures: &[(&FigureEntry<D>, Figure)]) -> (String, usize)
                 "| {} | {} | {} {} | {} | {} | {verdict} |\n",
                 entry.number,
                 check.compared,
-                shown(check.obtained),
+                check.told(),
                 check.unit,
                 check.criterion,
                 check.thesis
@@ -173,7 +195,7 @@ pub(crate) fn table<D>(figures: &[(&FigureEntry<D>, Figure)]) -> (String, usize)
 }
 
 /// Three digits, small and large numbers with a power of ten.
-pub(crate) fn shown(x: f64) -> String {
+fn shown(x: f64) -> String {
     match x.abs() {
         0.0 => "0".into(),
         size if (0.01..1e4).contains(&size) => format!("{x:.3}"),
@@ -184,6 +206,15 @@ pub(crate) fn shown(x: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn narrow_intervals_are_told_with_their_digits() {
+        let criterion = Criterion::Within(0.124_561, 0.124_563);
+        assert_eq!(check("a", 0.124_561_7, "m", criterion, "b").told(), "0.1245617");
+        assert_eq!(criterion.to_string(), "0.1245610 .. 0.1245630");
+        assert_eq!(Criterion::Within(1.9, 2.1).to_string(), "1.90 .. 2.10");
+        assert_eq!(Criterion::Within(0.0, 1e-12).to_string(), "0 .. 0.000000000001");
+    }
 
     #[test]
     fn a_number_that_is_none_never_holds() {

@@ -160,7 +160,7 @@ fn a_chain_tapers_as_the_rod_does() {
     let apart = (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt();
     println!("{:.1e} of the length apart", apart / LENGTH);
     // The midpoint rule of 400 segments, as above, for a tenth of the angle: 1.4e-6 rad.
-    assert!(a[2] > 0.05 * LENGTH && apart < 2e-6 * LENGTH, "{a:?} {b:?}");
+    assert!(a[2] > 0.01 * LENGTH && apart < 2e-6 * LENGTH, "{a:?} {b:?}");
 }
 
 /// One bundle twice: a solid, and the same by its numbers. They move alike to the last bit, and go
