@@ -98,8 +98,8 @@ pub(crate) fn lateral_buckling() -> f64 {
 ///
 /// Beside the straight line there are `exp(i k s)` with `k = a + b` and `a - b`, where `a = M / 2`
 /// and `b^2 = a^2 - T`, and a straight line that is tilted; with `x = k / 2` both clamps ask for
-/// `(sin x - x cos x) y sin y = (sin y - y cos y) x sin x`. Without tension it is `tan x = x`, without
-/// moment Euler's load of clamped ends; of long rods it is `M^2 = 4 T` (Greenhill 1883).
+/// `(sin x - x cos x) y sin y = (sin y - y cos y) x sin x`. Without tension it is `tan x = x`,
+/// without moment Euler's load of clamped ends; of long rods it is `M^2 = 4 T` (Greenhill 1883).
 pub(crate) fn writhing_tension(moment: f64) -> f64 {
     let a = 0.5 * moment;
     let clamps = |b: f64| {
