@@ -8,13 +8,14 @@ use syn::{Attribute, Fields, Item, Meta};
 use xshell::Shell;
 
 /// Where the types are, in the order of the reference.
-const SOURCES: [&str; 16] = [
+const SOURCES: [&str; 17] = [
     "lib",
     "environment",
     "fibers",
     "groom",
     "arrangement",
     "material",
+    "taper",
     "tip",
     "motion",
     "object",

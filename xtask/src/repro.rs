@@ -2,7 +2,7 @@ use crate::root;
 use anyhow::{Result, bail};
 use xshell::{Shell, cmd};
 
-/// A chapter of the thesis whose figures are drawn anew.
+/// A chapter of the thesis whose figures are drawn anew, or what is validated beside it.
 struct Chapter {
     name: &'static str,
     /// The example that draws them, and its package.
@@ -10,7 +10,7 @@ struct Chapter {
     example: &'static str,
 }
 
-const CHAPTERS: [Chapter; 8] = [
+const CHAPTERS: [Chapter; 9] = [
     Chapter { name: "ch2", package: "rapunzel-keratin", example: "ch2" },
     Chapter { name: "ch3-static", package: "rapunzel-rod-static", example: "ch3" },
     Chapter { name: "ch3-dynamic", package: "rapunzel-sim", example: "repro" },
@@ -19,11 +19,12 @@ const CHAPTERS: [Chapter; 8] = [
     Chapter { name: "ch6", package: "rapunzel-render", example: "ch6" },
     Chapter { name: "ch7", package: "rapunzel-collision", example: "ch7" },
     Chapter { name: "ch8", package: "rapunzel-sim", example: "ch8" },
+    Chapter { name: "validation", package: "rapunzel-sim", example: "validation" },
 ];
 
 /// Draws the figures of one chapter, or of all, and compares what the thesis says of them with our
-/// numbers: an SVG and CSV tables for each figure in `target/repro/CHAPTER`, with a manifest. The
-/// chapter gets what else it is told to do. Fails where a comparison does.
+/// numbers: an SVG and CSV tables for each figure in `target/repro/CHAPTER`, with a page and a
+/// manifest. The chapter gets what else it is told to do. Fails where a comparison does.
 pub(crate) fn run(chapter: Option<&str>, arguments: &[String]) -> Result<()> {
     let sh = Shell::new()?;
     sh.change_dir(root()?);

@@ -42,8 +42,9 @@ impl RestingFibers {
                 if let Some(forces) = &forces {
                     rod.loads.clone_from(forces);
                 }
-                if let Some((node, _)) = &matter {
-                    let set = rod.set_matter(natural, node);
+                if let Some((matter, _)) = &matter {
+                    let nodes = matter.along(natural.segment_lengths());
+                    let set = rod.set_matter(natural, nodes);
                     set.map_err(|source| ChargingError::Rest { fiber, source })?;
                 }
             }

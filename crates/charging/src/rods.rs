@@ -32,25 +32,24 @@ impl RestingRod {
         Ok(Self {
             shape: chain.natural_shape(),
             chain,
-            masses: masses(fiber, fiber.nodes()[0].linear_density),
+            masses: masses(fiber, fiber.nodes()),
             loads: vec![Vector3::zeros(); nodes],
             electric: vec![Vector3::zeros(); nodes],
             charges: vec![0.0; nodes - 1],
         })
     }
 
-    /// Makes the fibre of another matter, the same all along; it keeps its shape until it settles.
+    /// Makes the fibre of another matter, given at its nodes; it keeps its shape until it settles.
     pub(crate) fn set_matter(
         &mut self,
         fiber: &Fiber,
-        matter: &NodeProperties,
+        mut matter: Vec<NodeProperties>,
     ) -> Result<(), StaticError> {
-        let bent = |own: &NodeProperties| NodeProperties {
-            natural_curvature: own.natural_curvature,
-            ..*matter
-        };
-        self.chain = chain(fiber, &fiber.nodes().iter().map(bent).collect::<Vec<_>>())?;
-        self.masses = masses(fiber, matter.linear_density);
+        for (node, own) in matter.iter_mut().zip(fiber.nodes()) {
+            node.natural_curvature = own.natural_curvature;
+        }
+        self.chain = chain(fiber, &matter)?;
+        self.masses = masses(fiber, &matter);
         Ok(())
     }
 
@@ -178,11 +177,15 @@ fn chain(fiber: &Fiber, nodes: &[NodeProperties]) -> Result<Chain, StaticError> 
     Chain::new(fiber.root(), &[Piece::varying(length, at)], segments)
 }
 
-/// Masses of the nodes of a fibre of so many kg/m.
-fn masses(fiber: &Fiber, density: f64) -> Vec<f64> {
+/// Masses of the nodes of a fibre whose nodes have the given properties, kg: half of the segments
+/// on both sides.
+fn masses(fiber: &Fiber, nodes: &[NodeProperties]) -> Vec<f64> {
     let lengths = fiber.segment_lengths();
     let half = |segment: Option<usize>| {
-        segment.and_then(|s| lengths.get(s)).map_or(0.0, |length| 0.5 * length * density)
+        segment.filter(|s| *s < lengths.len()).map_or(0.0, |s| {
+            let density = 0.5 * (nodes[s].linear_density + nodes[s + 1].linear_density);
+            0.5 * lengths[s] * density
+        })
     };
     (0..=lengths.len()).map(|node| half(node.checked_sub(1)) + half(Some(node))).collect()
 }

@@ -114,6 +114,11 @@ impl Conditions for StepConditions<'_> {
                 let angle = twist.to_radians() * way / ramped(*until, *ramp);
                 joint.end(t, moved_tip(Vector3::from(*velocity) * way, angle))
             }
+            Tip::Led { motion, joint } => {
+                let start = self.fiber.tip;
+                let place = Point3::from(start.translation.vector);
+                joint.end(t, motion.displacement(t, &place) * start)
+            }
         };
         Instant {
             gravity: environment.gravity_at(t),

@@ -1,7 +1,9 @@
 use crate::{CouplingError, EnergyLedger, FiberGroup, RodBatch, StepReport, Surroundings};
 use nalgebra::{Point3, Vector3};
 use rapunzel_fiber::Assembly;
-use rapunzel_rod_dynamic::{Energy, Ledger, Momentum, RodError, RodState};
+use rapunzel_rod_dynamic::{
+    Conditions, End, Energy, Instant, Ledger, Momentum, RodError, RodState, elastic_moments,
+};
 use rayon::prelude::*;
 
 /// All fibres of a scene at one instant, with what acts on them; contacts apart.
@@ -114,6 +116,36 @@ impl<B: RodBatch + ?Sized> Fibers<B> {
             }
         }
         sum
+    }
+
+    /// Force (N) and moment (N m) of what holds an end of a fibre with the linear law, its tip or
+    /// its root, on the fibre at time `t` (s), world frame; zero at a free end.
+    ///
+    /// They balance the segment and the joint at the end, and the weight of half of that segment
+    /// and the forces on its node. The inertia of that half is left out, and so is the air on it.
+    ///
+    /// # Panics
+    /// If there is no such fibre, as indexing does.
+    #[must_use]
+    pub fn reaction(&self, fiber: usize, at_tip: bool, t: f64) -> [Vector3<f64>; 2] {
+        let (group, lane) = self.lanes[fiber];
+        let own = &self.assembly.fibers()[fiber];
+        let conditions = &self.groups[group].lanes[lane];
+        let Instant { gravity, root, tip, .. } = conditions.during(t).at(t);
+        let state = self.groups[group].batch.state(lane);
+        let last = own.segments();
+        // The force of the segment and the moment of the joint on the end's own node.
+        let (end, node, segment, sign) =
+            if at_tip { (tip, last, last - 1, 1.0) } else { (root, 0, 0, -1.0) };
+        let forces = conditions.node_forces(t);
+        let own_force = forces.map_or_else(Vector3::zeros, |forces| forces[node]);
+        let load = gravity * (0.5 * own.segment_mass(segment)) + own_force;
+        let force = sign * state.forces[segment] - load;
+        match end {
+            End::Loaded { .. } => [Vector3::zeros(); 2],
+            End::Pinned { .. } => [force, Vector3::zeros()],
+            End::Held(_) => [force, sign * elastic_moments(own, &state)[node]],
+        }
     }
 
     /// Momentum of all fibres about the world's origin, if their integrators tell it.

@@ -1,10 +1,12 @@
 #![doc = include_str!("../README.md")]
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "programs that draw figures")]
 
+mod page;
 mod program;
 mod report;
 
-pub use program::main;
+pub use page::NotRun;
+pub use program::{main, main_beside};
 pub use rapunzel_plot as plot;
 pub use report::{ClaimCheck, Criterion, Figure, FigureEntry, check};
 

@@ -1,17 +1,29 @@
+use crate::page::page;
 use crate::report::{self, Figure, FigureEntry};
-use crate::{Fallible, ReproError};
+use crate::{Fallible, NotRun, ReproError};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
 /// Draws all figures into a folder, the first of the arguments, or those whose numbers follow it,
-/// and prints what was compared; `draw` is handed what an entry has for that. The program fails if
-/// a check does, a figure cannot be drawn, or none has a number that is asked for.
+/// with a page that shows them, and prints what was compared; `draw` is handed what an entry has
+/// for that. The program fails if a check does, a figure cannot be drawn, or none has a number that
+/// is asked for.
 pub fn main<D>(
     figures: &[FigureEntry<D>],
     arguments: impl Iterator<Item = String>,
     draw: impl Fn(&D) -> Fallible<Figure>,
 ) -> ExitCode {
-    match run(figures, arguments, draw) {
+    main_beside(figures, &[], arguments, draw)
+}
+
+/// As [`main`], with a list of what is not run, which the page of the figures tells.
+pub fn main_beside<D>(
+    figures: &[FigureEntry<D>],
+    not_run: &[NotRun],
+    arguments: impl Iterator<Item = String>,
+    draw: impl Fn(&D) -> Fallible<Figure>,
+) -> ExitCode {
+    match run(figures, not_run, arguments, draw) {
         Ok(0) => ExitCode::SUCCESS,
         Ok(failed) => {
             eprintln!("{failed} checks fail");
@@ -27,6 +39,7 @@ pub fn main<D>(
 /// How many checks fail.
 fn run<D>(
     entries: &[FigureEntry<D>],
+    not_run: &[NotRun],
     mut arguments: impl Iterator<Item = String>,
     draw: impl Fn(&D) -> Fallible<Figure>,
 ) -> Result<usize, ReproError> {
@@ -45,7 +58,7 @@ fn run<D>(
     if figures.is_empty() {
         return Err(ReproError::NoSuchFigure(wanted.join(", ")));
     }
-    report::write(&folder, &figures)?;
+    report::write(&folder, &figures, &[("page.html", page(&figures, not_run))])?;
     let (table, failed) = report::table(&figures);
     println!("\n{table}");
     Ok(failed)
@@ -79,7 +92,7 @@ mod tests {
         let path = folder.path().to_str().expect("a name");
         let run = |words: &[&str]| {
             let arguments = words.iter().map(|&word| word.to_owned());
-            run(&entries, arguments, figure)
+            run(&entries, &[], arguments, figure)
         };
         assert!(matches!(run(&[]), Err(ReproError::NoFolder)));
         assert!(matches!(run(&[path, "3"]), Err(ReproError::NoSuchFigure(_))));
@@ -90,9 +103,9 @@ mod tests {
             names.sort();
             names
         };
-        assert_eq!(files(), ["1.svg", "1a.csv", "manifest.json"]);
+        assert_eq!(files(), ["1.svg", "1a.csv", "manifest.json", "page.html"]);
         assert_eq!(run(&[path]).expect("drawn"), 1);
-        assert_eq!(files().len(), 5);
+        assert_eq!(files().len(), 6);
         let table = std::fs::read_to_string(folder.path().join("2a.csv")).expect("a table");
         assert_eq!(table, "curve,\"x\",\"y\"\n\"c\",0,1\n\"c\",1,3\n");
     }

@@ -38,7 +38,7 @@ pub struct ClaimCheck {
     pub unit: &'static str,
     /// What the number must be, in its unit.
     pub criterion: Criterion,
-    /// What the thesis says.
+    /// What the thesis, or another theory, says.
     pub thesis: &'static str,
 }
 
@@ -55,6 +55,17 @@ pub enum Criterion {
     Told,
 }
 
+impl Criterion {
+    /// Decimals that tell the ends of an interval apart, with one more; `None` where there is no
+    /// interval, or it is too narrow to be written so.
+    fn decimals(self) -> Option<usize> {
+        let Self::Within(least, most) = self else { return None };
+        let needed = (1.0 - (most - least).log10().floor()).max(2.0);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "2 to 12")]
+        (needed <= 12.0).then_some(needed as usize)
+    }
+}
+
 /// A claim of the thesis and our number.
 pub fn check(
     compared: impl Into<String>,
@@ -67,8 +78,16 @@ pub fn check(
 }
 
 impl ClaimCheck {
+    /// The number in digits, as many as its criterion has.
+    pub(crate) fn told(&self) -> String {
+        match self.criterion.decimals() {
+            Some(count) => format!("{:.count$}", self.obtained),
+            None => shown(self.obtained),
+        }
+    }
+
     /// A number that is none fails.
-    fn holds(&self) -> bool {
+    pub(crate) fn holds(&self) -> bool {
         match self.criterion {
             Criterion::AtMost(most) => self.obtained <= most,
             Criterion::AtLeast(least) => self.obtained >= least,
@@ -83,7 +102,10 @@ impl fmt::Display for Criterion {
         match self {
             Self::AtMost(most) => write!(f, "<= {most}"),
             Self::AtLeast(least) => write!(f, ">= {least}"),
-            Self::Within(least, most) => write!(f, "{least} .. {most}"),
+            Self::Within(least, most) => match self.decimals() {
+                Some(count) => write!(f, "{least:.count$} .. {most:.count$}"),
+                None => write!(f, "{least} .. {most}"),
+            },
             Self::Told => write!(f, "-"),
         }
     }
@@ -101,10 +123,11 @@ struct ManifestRecord<'a> {
     files: Vec<String>,
 }
 
-/// Writes the drawings, their tables and the manifest to `folder`.
+/// Writes the drawings, their tables, other texts by their names, and the manifest to `folder`.
 pub(crate) fn write<D>(
     folder: &Path,
     figures: &[(&FigureEntry<D>, Figure)],
+    others: &[(&str, String)],
 ) -> Result<(), ReproError> {
     let refused = |path: &Path| {
         let path = path.to_owned();
@@ -138,6 +161,9 @@ pub(crate) fn write<D>(
             files: files.into_iter().map(|(name, _)| name).collect(),
         });
     }
+    for (name, text) in others {
+        atomically(name, text)?;
+    }
     atomically("manifest.json", &(serde_json::to_string_pretty(&records)? + "\n"))
 }
 
@@ -158,7 +184,7 @@ pub(crate) fn table<D>(figures: &[(&FigureEntry<D>, Figure)]) -> (String, usize)
                 "| {} | {} | {} {} | {} | {} | {verdict} |\n",
                 entry.number,
                 check.compared,
-                shown(check.obtained),
+                check.told(),
                 check.unit,
                 check.criterion,
                 check.thesis
@@ -180,6 +206,15 @@ fn shown(x: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn narrow_intervals_are_told_with_their_digits() {
+        let criterion = Criterion::Within(0.124_561, 0.124_563);
+        assert_eq!(check("a", 0.124_561_7, "m", criterion, "b").told(), "0.1245617");
+        assert_eq!(criterion.to_string(), "0.1245610 .. 0.1245630");
+        assert_eq!(Criterion::Within(1.9, 2.1).to_string(), "1.90 .. 2.10");
+        assert_eq!(Criterion::Within(0.0, 1e-12).to_string(), "0 .. 0.000000000001");
+    }
 
     #[test]
     fn a_number_that_is_none_never_holds() {

@@ -8,6 +8,7 @@ mod joint;
 mod ledger;
 #[cfg(feature = "modes")]
 mod linear;
+mod moments;
 mod response;
 mod rod;
 mod staggered;
@@ -19,6 +20,7 @@ pub use error::{RodError, StepError};
 pub use ledger::Ledger;
 #[cfg(feature = "modes")]
 pub use linear::{Linearization, Mode, linearize};
+pub use moments::elastic_moments;
 pub use response::{ImpulseResponse, Impulses, Point, PointResponses};
 pub use rod::{Energy, Momentum, Rod, RodIntegrator, RodState, RodStepReport, SectionLaws};
 pub use staggered::{

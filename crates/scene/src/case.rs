@@ -4,11 +4,12 @@
 //! and numbers out of their range are errors. Its rod is clamped at its root, loaded along its
 //! length, and its far end is free, in a joint, in a bearing, or clamped.
 
+use crate::taper::{Tapered, check_taper};
 use crate::{
     Allowed, Check, FORMAT, LoadFrame, MaterialSpec, Orientation, Pose, SceneError, SceneProblem,
-    check_section, parse,
+    TaperPoint, check_section, parse,
 };
-use rapunzel_fiber::{NodeProperties, Section};
+use rapunzel_fiber::Section;
 use serde::{Deserialize, Serialize};
 
 /// One rod with its loads and its boundary conditions.
@@ -24,6 +25,10 @@ pub struct Case {
     pub length: f64,
     /// Stiffness and mass of the rod.
     pub rod: CaseRod,
+    /// Table of sections, stiffness and mass along the rod, from the clamp to the far end; left
+    /// out, they are the same all along.
+    #[serde(default)]
+    pub taper: Vec<TaperPoint>,
     /// Darboux vector of the unloaded rod in the material frame (about d1, d2, tangent), 1/m.
     #[serde(default)]
     pub natural_curvature: [f64; 3],
@@ -231,21 +236,6 @@ impl Case {
         check.finish(None)
     }
 
-    /// Stiffnesses (N m^2), mass per length (kg/m) and radius (m).
-    pub fn properties(&self) -> ([f64; 3], f64, f64) {
-        match self.rod {
-            CaseRod::Solid { section, material } => {
-                let solid = material.solid().expect("the case has been checked");
-                let node = NodeProperties::new(section, &solid);
-                let stiffness = [0, 1, 2].map(|i| node.stiffness[i]);
-                (stiffness, node.linear_density, section.equivalent_radius())
-            }
-            CaseRod::Measured { bending: [a, b], torsion, linear_density, radius } => {
-                ([a, b, torsion], linear_density, radius)
-            }
-        }
-    }
-
     /// Whether the rod is approximated by a chain: some loads or supports are possible in a chain
     /// only.
     pub fn needs_chain(&self) -> bool {
@@ -259,6 +249,12 @@ impl Case {
         }
         check.number("length", self.length, Allowed::Within(1e-6, 1e3), "m");
         check.within("rod", |c| self.rod.check(c, self.length));
+        let measured = matches!(self.rod, CaseRod::Measured { .. });
+        check_taper(
+            check,
+            &self.taper,
+            &Tapered { length: self.length, measured, has_section: true },
+        );
         check.vector("natural_curvature", &self.natural_curvature, "1/m");
         self.check_curvature(check);
         check.vector("gravity", &self.gravity, "m/s^2");
@@ -294,9 +290,15 @@ impl Case {
 
     /// Reports a natural curvature or twist whose radius is smaller than the rod's radius.
     fn check_curvature(&self, check: &mut Check) {
-        let radius = match self.rod {
-            CaseRod::Solid { section, .. } => section.equivalent_radius(),
-            CaseRod::Measured { radius, .. } => radius,
+        let own = match self.rod {
+            CaseRod::Solid { section, .. } => section,
+            CaseRod::Measured { radius, .. } => Section::Circle { radius },
+        };
+        let at = |point: &TaperPoint| point.section.unwrap_or(own).equivalent_radius();
+        let radius = if self.taper.is_empty() {
+            own.equivalent_radius()
+        } else {
+            self.taper.iter().map(at).fold(0.0, f64::max)
         };
         let size = self.natural_curvature.iter().fold(0.0, |size: f64, k| size.hypot(*k));
         if radius > 0.0 && size > 1.0 / radius {
@@ -346,6 +348,10 @@ impl CaseRod {
             Self::Solid { section, material } => {
                 check.within("section", |c| check_section(c, section, length));
                 check.within("material", |c| material.check(c));
+                if matches!(material, MaterialSpec::Measured { .. }) {
+                    let message = "has no section of its own: give `rod: Measured(...)`";
+                    check.refuse("material", message.into());
+                }
                 if let Err(error) = material.solid() {
                     check.refuse("material", error.to_string());
                 }

@@ -78,6 +78,7 @@ fn sizes(unit: &str) -> [f64; 2] {
         "degrees/s" => [1e-9, 1e9],
         "kg" => [1e-18, 1e6],
         "kg/m" => [1e-15, 1e6],
+        "kg m" => [1e-26, 1e6],
         // Beyond any matter: thin rods are given the stiffness and weight of others.
         "kg/m^3" => [1e-6, 1e15],
         "kg, or kg/m^3" => [1e-18, 1e6],

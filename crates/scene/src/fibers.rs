@@ -5,6 +5,8 @@ use super::fiber_shape::{FiberShape, Initial};
 use super::groom::{Groom, GroomShape};
 use super::material::{Law, MaterialSpec};
 use super::motion::Motion;
+use super::section::check_section;
+use super::taper::{TaperPoint, Tapered, check_taper, check_taper_law};
 use super::tip::{JointKind, Profile, Tip};
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use rapunzel_fiber::generate::root_pose;
@@ -21,10 +23,14 @@ pub struct Bundle {
     pub length: f64,
     /// Number of segments of each fibre; of a groom of the longest, and of others by their length.
     pub segments: usize,
-    /// Cross section, m; to be left out where the material has one of its own. The section of
-    /// keratin is given at 65 % humidity, from where it swells.
+    /// Cross section, m; to be left out where the material or every point of the taper has one of
+    /// its own. The section of keratin is given at 65 % humidity, from where it swells.
     #[serde(default)]
     pub section: Option<Section>,
+    /// Table of sections, stiffness and mass along the fibres, from root to tip; left out, they are
+    /// the same all along. The air drags a tapered fibre as one of the radius of its middle.
+    #[serde(default)]
+    pub taper: Vec<TaperPoint>,
     /// Material of the fibres.
     #[serde(default)]
     pub material: MaterialSpec,
@@ -211,7 +217,17 @@ impl Bundle {
                 check.within("section", |c| check_section(c, section, self.length));
             }
             (None, MaterialSpec::Keratin { .. }) => {}
+            (None, _) if !self.taper.is_empty() => {}
             (None, _) => check.refuse("section", "is missing, but the material has none".into()),
+        }
+        let tapered = Tapered {
+            length: self.length,
+            measured: matches!(self.material, MaterialSpec::Measured { .. }),
+            has_section: self.section.is_some() || self.material.keratin().is_some(),
+        };
+        check_taper(check, &self.taper, &tapered);
+        if !self.taper.is_empty() {
+            check_taper_law(check, &self.material);
         }
         check.within("material", |c| self.material.check(c));
         if self.law() != Law::Elastic && self.damping_time != 0.0 {
@@ -226,7 +242,7 @@ impl Bundle {
         check.within("motion", |c| self.motion.check(c));
         check.vector("velocity", &self.velocity, "m/s");
         check.within("root_joint", |c| self.root_joint.check(c));
-        if self.root_joint == JointKind::Free && self.motion != Motion::Fixed {
+        if self.root_joint.is_free() && self.motion != Motion::Fixed {
             let message = "moves the root, but root_joint lets it move freely; leave one out";
             check.refuse("motion", message.into());
         }
@@ -264,28 +280,5 @@ impl Bundle {
                     take the groom's `natural: Drawn`";
         let loaded = matches!(self.tip, Tip::Loaded { .. }) && !self.has_end_loads();
         refuse(self.tip != Tip::Free && !loaded, "tip", free);
-    }
-}
-
-/// Reports problems of the section of a fibre of a length.
-pub(crate) fn check_section(check: &mut Check, section: &Section, length: f64) {
-    // A rod must be slender, and a NaN length has been refused already.
-    let thickest = if length > 0.0 { length / 10.0 } else { f64::MAX };
-    let size = |c: &mut Check, name: &str, value| {
-        c.number(name, value, Allowed::Positive, "m");
-        if value > thickest {
-            let message = format!(
-                "is {value:?}, but must be at most {thickest:?} (m), a tenth of the length: \
-                 a fibre is slender"
-            );
-            c.refuse(name, message);
-        }
-    };
-    match *section {
-        Section::Circle { radius } => size(check, "radius", radius),
-        Section::Ellipse { a, b } => {
-            size(check, "a", a);
-            size(check, "b", b);
-        }
     }
 }

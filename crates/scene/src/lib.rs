@@ -14,15 +14,18 @@ mod groom;
 mod locate;
 mod mass_spring;
 mod material;
+mod matter;
 mod motion;
 mod object;
 mod output;
 mod parse;
 mod plan;
 mod read;
+mod section;
 mod speed;
 mod stepper;
 mod style;
+mod taper;
 mod tip;
 
 pub use arrangement::{Arrangement, scalp};
@@ -41,20 +44,20 @@ pub use mass_spring::{
     Hold, Integrator, MassSpring, Model, NodeContacts, NodeLoad, NodePlaces, SpringBodyShape,
 };
 pub use material::{ClimateHistory, Keratin, Law, MaterialSpec, fading_power};
+pub use matter::FiberMatter;
 pub use motion::{Keyframe, Motion, Pace, ramped};
 pub use object::{Moves, Object, ObjectMass, ObjectShape};
-pub use output::{Format, Output, Probe, ProbeNode, ProbeQuantity};
+pub use output::{ContactPartner, Format, Output, Probe, ProbeNode, ProbeQuantity};
 pub use plan::Plan;
 pub use stepper::{RodMethod, StepperSettings, Weights};
 pub use style::style_from_ron;
+pub use taper::TaperPoint;
 pub use tip::{JointKind, LoadFrame, Profile, TimedLoad, Tip};
 
 use check::{Allowed, Check};
-use fibers::check_section;
 use parse::parse;
-use rapunzel_fiber::{NodeProperties, Section};
-use rapunzel_keratin::{Hair, KeratinError};
-use rapunzel_rod_dynamic::SectionLaws;
+use rapunzel_keratin::Hair;
+use section::check_section;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -116,25 +119,6 @@ impl Scene {
         self
     }
 
-    /// Material of the fibres of a bundle, and the laws of their sections, at time `t`, s.
-    ///
-    /// # Errors
-    /// [`KeratinError`] for hair that is not known in the climate at that time.
-    pub fn matter(
-        &self,
-        bundle: &Bundle,
-        t: f64,
-    ) -> Result<(NodeProperties, SectionLaws), KeratinError> {
-        let Some(keratin) = bundle.material.keratin() else {
-            // Another material without a section has been refused.
-            let section = bundle.section.unwrap_or(Section::Circle { radius: 0.0 });
-            let solid = bundle.material.solid()?;
-            return Ok((NodeProperties::new(section, &solid), SectionLaws::Linear));
-        };
-        let climate = self.environment.climate.at(t)?;
-        keratin.rod(&keratin.hair(bundle.section)?, &climate)
-    }
-
     /// The hair of a bundle whose law follows the climate, if the climate changes; else `None`.
     #[must_use]
     pub fn changing_hair(&self, bundle: &Bundle) -> Option<Hair> {
@@ -182,6 +166,7 @@ impl Scene {
                 && match &bundle.root_joint {
                     JointKind::Clamped | JointKind::Free => true,
                     JointKind::Ball { moment } => *moment == TimedLoad::default(),
+                    JointKind::Loaded { .. } => false,
                 }
         };
         let unmoved = |o: &Object| o.moves != Moves::Led || o.motion == Motion::Fixed;
@@ -199,14 +184,20 @@ impl Scene {
 
     /// Number of segments of fibre `fiber`, counted over all bundles; `None` if there is no such
     /// fibre. Of fibres behind a groom, whose number is not known before it is read, the groom's.
-    fn segments_of(&self, mut fiber: usize) -> Option<usize> {
+    fn segments_of(&self, fiber: usize) -> Option<usize> {
         if let Some(springs) = &self.mass_spring {
             return (fiber == 0).then(|| springs.nodes().saturating_sub(1));
         }
+        self.bundle_of(fiber).map(|bundle| bundle.segments)
+    }
+
+    /// The bundle of fibre `fiber`, counted over all bundles; behind a groom, whose number of
+    /// fibres is not known before it is read, the groom's.
+    fn bundle_of(&self, mut fiber: usize) -> Option<&Bundle> {
         for bundle in &self.fibers {
             match bundle.count() {
                 Some(count) if fiber >= count => fiber -= count,
-                _ => return Some(bundle.segments),
+                _ => return Some(bundle),
             }
         }
         None
@@ -376,6 +367,7 @@ impl Scene {
         check.within("environment", |c| self.environment.check(c));
         check.within("stepper", |c| self.stepper.check(c));
         self.check_formats(check);
+        self.check_probes(check);
         check.within("output", |c| self.output.check(c, |fiber| self.segments_of(fiber)));
     }
 }

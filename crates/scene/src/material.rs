@@ -26,6 +26,20 @@ pub enum MaterialSpec {
         /// Shear modulus, Pa.
         shear_modulus: f64,
     },
+    /// Measured properties, as of a cable, a hose or a yarn, whose stiffness is not that of a solid
+    /// section; the section of the fibre is that of contacts, air and pictures.
+    Measured {
+        /// Bending stiffnesses about d1 and d2, N m^2.
+        bending: [f64; 2],
+        /// Torsion stiffness, N m^2.
+        torsion: f64,
+        /// Mass per length, kg/m.
+        linear_density: f64,
+        /// Rotary inertias per length about d1 and d2, kg m; that about the tangent is their sum.
+        /// Left out, they are those of a homogeneous section.
+        #[serde(default)]
+        rotary_inertia: Option<[f64; 2]>,
+    },
     /// Hair by the tables of `rapunzel-keratin`, in the climate of the environment: moduli,
     /// density, and the section where the bundle gives none.
     Keratin {
@@ -217,13 +231,13 @@ impl Keratin {
 
 impl MaterialSpec {
     /// Density and moduli of a linearly elastic solid; keratin in the standard climate, 65 % and 23
-    /// C.
+    /// C. What is measured has none; hair is in its place, and not asked for.
     ///
     /// # Errors
     /// [`KeratinError`] for keratin with a property that is not measured.
-    pub fn solid(&self) -> Result<fiber::Material, KeratinError> {
+    pub(crate) fn solid(&self) -> Result<fiber::Material, KeratinError> {
         match *self {
-            Self::Hair => Ok(fiber::Material::HAIR),
+            Self::Hair | Self::Measured { .. } => Ok(fiber::Material::HAIR),
             Self::Elastic { density, youngs_modulus, shear_modulus } => {
                 Ok(fiber::Material { density, youngs_modulus, shear_modulus })
             }
@@ -248,6 +262,32 @@ impl MaterialSpec {
             check.number("youngs_modulus", youngs_modulus, Allowed::Positive, "Pa");
             check.number("shear_modulus", shear_modulus, Allowed::Positive, "Pa");
         }
+        if let Self::Measured { bending, torsion, linear_density, rotary_inertia } = self {
+            let density = Some(*linear_density);
+            check_measured(check, Some(bending), Some(*torsion), density, rotary_inertia.as_ref());
+        }
+    }
+}
+
+/// Reports measured numbers that are out of their range.
+pub(crate) fn check_measured(
+    check: &mut Check,
+    bending: Option<&[f64; 2]>,
+    torsion: Option<f64>,
+    linear_density: Option<f64>,
+    rotary_inertia: Option<&[f64; 2]>,
+) {
+    for (i, stiffness) in bending.into_iter().flatten().enumerate() {
+        check.number(&format!("bending[{i}]"), *stiffness, Allowed::Positive, "N m^2");
+    }
+    if let Some(torsion) = torsion {
+        check.number("torsion", torsion, Allowed::Positive, "N m^2");
+    }
+    if let Some(density) = linear_density {
+        check.number("linear_density", density, Allowed::Positive, "kg/m");
+    }
+    for (i, inertia) in rotary_inertia.into_iter().flatten().enumerate() {
+        check.number(&format!("rotary_inertia[{i}]"), *inertia, Allowed::Positive, "kg m");
     }
 }
 

@@ -1,4 +1,5 @@
 use super::check::{Allowed, Check};
+use super::motion::Motion;
 use super::speed::check_velocity;
 use nalgebra::{Isometry3, Point3, Vector3};
 use rapunzel_rod_dynamic as rod;
@@ -48,6 +49,15 @@ pub enum Tip {
         #[serde(default)]
         twist: f64,
     },
+    /// Led by any motion, also one by keyframes, which moves and turns it from its pose at the
+    /// start as it does a root.
+    Led {
+        /// Motion of the tip; it turns about the place of each tip at the start.
+        motion: Motion,
+        /// Boundary condition of the tip's frame.
+        #[serde(default)]
+        joint: JointKind,
+    },
 }
 
 /// Boundary condition of an end whose position is prescribed.
@@ -65,6 +75,16 @@ pub enum JointKind {
     },
     /// Free: the position is not held either. Only for roots without a prescribed motion.
     Free,
+    /// Free, under a force and a moment that may change with time. Only for roots without a
+    /// prescribed motion; a tip has its own `Loaded`.
+    Loaded {
+        /// Force on the fibre, N.
+        #[serde(default)]
+        force: TimedLoad,
+        /// Moment on the fibre, N m.
+        #[serde(default)]
+        moment: TimedLoad,
+    },
 }
 
 /// A force or a moment over time.
@@ -198,12 +218,33 @@ impl JointKind {
                 rod::End::Pinned { position, moment: moment.at(t) }
             }
             Self::Free => rod::End::FREE,
+            Self::Loaded { force, moment } => {
+                rod::End::Loaded { force: force.at(t), moment: moment.at(t) }
+            }
         }
     }
 
+    /// Whether it leaves an end where the fibre takes it.
+    #[must_use]
+    pub fn is_free(&self) -> bool {
+        matches!(self, Self::Free | Self::Loaded { .. })
+    }
+
     pub(crate) fn check(&self, check: &mut Check) {
-        if let Self::Ball { moment } = self {
+        if let Self::Loaded { force, .. } = self {
+            check.within("force", |c| force.check(c, "N"));
+        }
+        if let Self::Ball { moment } | Self::Loaded { moment, .. } = self {
             check.within("moment", |c| moment.check(c, "N m"));
+        }
+    }
+
+    /// Reports problems of the joint of a tip whose place is prescribed.
+    fn check_of_tip(&self, check: &mut Check) {
+        check.within("joint", |c| self.check(c));
+        if self.is_free() {
+            check
+                .refuse("joint", "is free, but drives nothing; make the tip Free or Loaded".into());
         }
     }
 }
@@ -225,10 +266,7 @@ impl Tip {
                 check_velocity(check, velocity);
                 check.number("ramp", *ramp, Allowed::NonNegative, "s");
                 check.number("until", *until, Allowed::Positive, "s");
-                check.within("joint", |c| joint.check(c));
-                if *joint == JointKind::Free {
-                    check.refuse("joint", "is Free, but drives nothing; make the tip Free".into());
-                }
+                joint.check_of_tip(check);
                 check.number("twist", *twist, Allowed::Finite, "degrees");
                 if *joint != JointKind::Clamped && *twist != 0.0 {
                     let message = format!(
@@ -236,6 +274,10 @@ impl Tip {
                     );
                     check.refuse("twist", message);
                 }
+            }
+            Self::Led { motion, joint } => {
+                check.within("motion", |c| motion.check(c));
+                joint.check_of_tip(check);
             }
         }
     }

@@ -171,9 +171,9 @@ fn sizes(scene: &Scene) -> Result<Sizes, SimError> {
         around.thickest = contacts.radius;
     }
     for (i, bundle) in scene.fibers.iter().enumerate() {
-        let (node, _) = matter(scene, bundle, i, 0.0)?;
+        let (matter, _) = matter(scene, bundle, i, 0.0)?;
         around.longest = around.longest.max(bundle.length);
-        around.thickest = around.thickest.max(node.section.equivalent_radius());
+        around.thickest = around.thickest.max(matter.thickest());
     }
     Ok(around)
 }

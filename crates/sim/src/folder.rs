@@ -54,6 +54,7 @@ pub(crate) const PROBES: &str = "probes.csv";
 pub(crate) const OBJECTS: &str = "objects.csv";
 pub(crate) const SUMMARY: &str = "summary.json";
 pub(crate) const PVD: &str = "frames.pvd";
+pub(crate) const PLOTS: &str = "plots.svg";
 pub(crate) const PREVIEW: &str = "preview.png";
 pub(crate) const STAGE: &str = "scene.usda";
 pub(crate) const USD: &str = "fibers.usda";

@@ -1,9 +1,9 @@
 use crate::checkpoint::{Checkpoint, scene_hash};
 use crate::folder::{
-    CHECKPOINT, ENERGIES, LOG, NEXT_CHECKPOINT, PROBES, RunFolder, SCENE, SUMMARY,
+    CHECKPOINT, ENERGIES, LOG, NEXT_CHECKPOINT, PLOTS, PROBES, RunFolder, SCENE, SUMMARY,
 };
 use crate::manifest::{Entry, Manifest};
-use crate::observers::{CsvTable, FieldWriter, FrameWriter, Objects, Observer, Show};
+use crate::observers::{CsvTable, FieldWriter, FrameWriter, Objects, Observer, PlotWriter, Show};
 use crate::storage::{rename_durably, replace, sync};
 use crate::{
     Outcome, Plan, Scene, SimError, Statistics, Stepper, Stopwatch, Summary, World, style,
@@ -261,7 +261,7 @@ fn files(scene: &Scene, stepper: &dyn Stepper, plan: &Plan) -> Manifest {
     let objects = Objects::of(&scene.objects);
     let mut files = FrameWriter::files(&scene.output.formats, objects, plan.frames());
     files.extend([SCENE, SUMMARY, CHECKPOINT, NEXT_CHECKPOINT, LOG].map(Entry::from));
-    files.push(ENERGIES.into());
+    files.extend([ENERGIES, PLOTS].map(Entry::from));
     files.extend(stepper.tables().into_iter().map(|(name, _)| name.into()));
     files.extend((!scene.output.probes.is_empty()).then(|| PROBES.into()));
     files.extend(field_grid(scene).map(|_| FieldWriter::files(plan.frames())));
@@ -277,17 +277,21 @@ fn observers(
     let frames = FrameWriter::new(folder, Show::of(scene, world), plan);
     let mut observers: Vec<Box<dyn Observer>> = vec![Box::new(frames)];
     let (file, stepper) = (|name| folder.file(name), world.stepper());
+    let mut names = vec![ENERGIES.to_owned()];
     let mut tables = vec![CsvTable::energies(&file(ENERGIES), stepper, plan)?];
     for (table, (name, columns)) in stepper.tables().into_iter().enumerate() {
         tables.push(CsvTable::of_stepper(&file(name), table, columns, plan)?);
+        names.push(name.to_owned());
     }
     if !scene.output.probes.is_empty() {
         tables.push(CsvTable::probes(&file(PROBES), &scene.output.probes, plan)?);
+        names.push(PROBES.to_owned());
     }
     observers.extend(tables.into_iter().map(|table| Box::new(table) as Box<dyn Observer>));
     if let Some(grid) = field_grid(scene) {
         observers.push(Box::new(FieldWriter::new(folder, grid, plan)));
     }
+    observers.push(Box::new(PlotWriter::new(folder.files(), names)));
     Ok(observers)
 }
 

@@ -164,8 +164,13 @@ fn ratio(scene: &Scene) -> Option<f64> {
         Some(Section::Ellipse { a, b }) => Some(b / a),
         Some(Section::Circle { .. }) | None => None,
     };
-    let first = of(&scene.fibers.first()?.section)?;
-    let same = |bundle: &crate::scene::Bundle| of(&bundle.section) == Some(first);
+    let bundle = scene.fibers.first()?;
+    let first = of(&bundle.taper.first().and_then(|point| point.section).or(bundle.section))?;
+    let same = |bundle: &crate::scene::Bundle| {
+        let points = bundle.taper.iter().map(|point| of(&point.section.or(bundle.section)));
+        let whole = bundle.taper.is_empty().then(|| of(&bundle.section));
+        points.chain(whole).all(|ratio| ratio == Some(first))
+    };
     scene.fibers.iter().all(same).then_some(first)
 }
 

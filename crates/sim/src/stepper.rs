@@ -164,6 +164,15 @@ pub trait FiberStates {
         None
     }
 
+    /// Force (N) and moment (N m) of what holds the tip or the root of a fibre on it at the time
+    /// `t` (s), world frame, zero at a free end; `None` where that is not told.
+    ///
+    /// # Panics
+    /// If there is no such fibre, as indexing does.
+    fn reaction(&self, _fiber: usize, _at_tip: bool, _t: f64) -> Option<[Vector3<f64>; 2]> {
+        None
+    }
+
     /// Works done on the fibres since the start, if a ledger is kept.
     fn ledger(&self) -> Option<EnergyLedger> {
         None

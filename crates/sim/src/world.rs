@@ -316,7 +316,10 @@ impl World {
 
     /// Watches the energy from now on, against the ledger if that is kept.
     pub(crate) fn keep_budget(&mut self) {
-        let bent = |fiber: &Fiber| fiber.nodes()[0].stiffness.x / fiber.length();
+        let bent = |fiber: &Fiber| {
+            let stiffest = fiber.nodes().iter().map(|node| node.stiffness.x).fold(0.0, f64::max);
+            stiffest / fiber.length()
+        };
         let bending = self.assembly().fibers().iter().map(bent).sum();
         self.budget = Some(EnergyBudget::new(&self.energy(), bending));
     }

@@ -197,8 +197,8 @@ fn move_apart(
         if scene.fibers[start.bundle].groom.is_none() {
             continue;
         }
-        let node = start.rod.fiber.nodes()[0];
-        let laid = along(&positions[layout.node_range(fiber)], node);
+        let nodes = start.rod.fiber.nodes().to_vec();
+        let laid = along(&positions[layout.node_range(fiber)], |_| nodes);
         let (fiber, state) =
             laid.map_err(|source| SimError::Fiber { bundle: start.bundle, source })?;
         (start.rod.fiber, start.state) = (fiber, Some(state));

@@ -4,7 +4,7 @@ use super::groom::curves;
 use super::stage::BuildStage;
 use crate::SimError;
 use crate::curve::knot;
-use crate::scene::{Arrangement, Bundle, FiberShape, Initial, Scene, scalp};
+use crate::scene::{Arrangement, Bundle, FiberMatter, FiberShape, Initial, Scene, scalp};
 use nalgebra::{Point3, Vector3};
 use rapunzel_coupling::BundleConditions;
 use rapunzel_fiber::generate::{self, Ellipse, Helix, Lock, Overhand, Sine};
@@ -43,7 +43,7 @@ pub(crate) fn matter(
     bundle: &Bundle,
     i: usize,
     t: f64,
-) -> Result<(NodeProperties, SectionLaws), SimError> {
+) -> Result<(FiberMatter, SectionLaws), SimError> {
     scene.matter(bundle, t).map_err(|source| SimError::Keratin { bundle: i, source })
 }
 
@@ -61,18 +61,19 @@ pub(super) fn starts(
 ) -> Result<Vec<FiberStart>, SimError> {
     // Bundles of one scene must not repeat each other's random choices.
     let seed = scene.seed.wrapping_add(index as u64);
-    let (node, laws) = matter(scene, bundle, index, 0.0)?;
+    let (matter, laws) = matter(scene, bundle, index, 0.0)?;
     let invalid = |source| SimError::Fiber { bundle: index, source };
     let laid_fibers: Vec<(Fiber, Option<RodState>)> = match &bundle.groom {
         Some(groom) => {
-            let radius = node.section.equivalent_radius();
-            let curves = curves(groom, bundle, radius, index, notes, at)?;
-            let lay = |curve: &Vec<Point3<f64>>| along(curve, node).map(|(f, s)| (f, Some(s)));
+            let curves = curves(groom, bundle, matter.thickest(), index, notes, at)?;
+            let lay = |curve: &Vec<Point3<f64>>| {
+                along(curve, |lengths| matter.along(lengths)).map(|(f, s)| (f, Some(s)))
+            };
             curves.iter().map(lay).collect::<Result<_, _>>().map_err(invalid)?
         }
         None => {
             let course = course(bundle, index)?;
-            let fibers = natural(bundle, node, seed).map_err(invalid)?.into_iter();
+            let fibers = natural(bundle, &matter, seed).map_err(invalid)?.into_iter();
             let lay = |fiber: Fiber| {
                 let state = laid(&fiber, &bundle.initial, course.as_deref(), index)?;
                 Ok((fiber, state))
@@ -81,8 +82,7 @@ pub(super) fn starts(
         }
     };
     let longest = laid_fibers.iter().map(|(fiber, _)| fiber.length()).fold(0.0, f64::max);
-    let radius = node.section.equivalent_radius();
-    let conditions = BundleConditions::new(scene, bundle, longest, radius);
+    let conditions = BundleConditions::new(scene, bundle, longest, matter.middle_radius());
     let conditions = conditions.map_err(|source| SimError::Rod { bundle: index, source })?;
     let conditions = Arc::new(conditions);
     let start = |(fiber, state)| FiberStart {
@@ -96,14 +96,16 @@ pub(super) fn starts(
     Ok(laid_fibers.into_iter().map(start).collect())
 }
 
-/// A naturally straight fibre along a curve (world), m, and its state there, at rest.
+/// A naturally straight fibre along a curve (world), m, and its state there, at rest; `nodes` gives
+/// the properties of its nodes by the lengths of its segments, m.
 pub(super) fn along(
     curve: &[Point3<f64>],
-    node: NodeProperties,
+    nodes: impl FnOnce(&[f64]) -> Vec<NodeProperties>,
 ) -> Result<(Fiber, RodState), FiberError> {
     let root = generate::root_pose(curve[0], &(curve[1] - curve[0]))?;
-    let lengths = curve.windows(2).map(|ends| (ends[1] - ends[0]).norm()).collect();
-    let fiber = Fiber::new(root, lengths, vec![node; curve.len()])?;
+    let lengths: Vec<_> = curve.windows(2).map(|ends| (ends[1] - ends[0]).norm()).collect();
+    let properties = nodes(&lengths);
+    let fiber = Fiber::new(root, lengths, properties)?;
     let nodes: Vec<_> = curve.iter().map(|point| root.inverse_transform_point(point)).collect();
     let state = untwisted(&fiber, &nodes);
     Ok((fiber, state))
@@ -115,9 +117,11 @@ fn lengths(bundle: &Bundle) -> Vec<f64> {
 }
 
 /// The fibres of a bundle in their natural state.
-fn natural(bundle: &Bundle, node: NodeProperties, seed: u64) -> Result<Vec<Fiber>, FiberError> {
+fn natural(bundle: &Bundle, matter: &FiberMatter, seed: u64) -> Result<Vec<Fiber>, FiberError> {
     let pose = bundle.root.isometry()?;
-    let straight = Fiber::new(pose, lengths(bundle), vec![node; bundle.segments + 1])?;
+    let lengths = lengths(bundle);
+    let nodes = matter.along(&lengths);
+    let straight = Fiber::new(pose, lengths, nodes)?;
     let mut fiber = match bundle.shape {
         FiberShape::Straight => straight,
         FiberShape::Helix { radius, pitch, handedness } => {

@@ -45,7 +45,8 @@ impl Still {
             let own = starts.iter().filter(|start| start.bundle == index);
             let sizes = own.map(|start| {
                 let fiber = &start.rod.fiber;
-                (fiber.length(), fiber.nodes()[0].section.equivalent_radius())
+                let middle = fiber.nodes()[fiber.segments() / 2];
+                (fiber.length(), middle.section.equivalent_radius())
             });
             let (length, radius) = sizes.fold((0.0, 0.0), |a, b| if b.0 > a.0 { b } else { a });
             let conditions = BundleConditions::new(&scene, bundle, length, radius);

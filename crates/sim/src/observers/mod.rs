@@ -2,11 +2,14 @@
 
 mod fields;
 mod frames;
+mod plots;
+mod probes;
 mod show;
 mod table;
 
 pub(crate) use fields::FieldWriter;
 pub(crate) use frames::FrameWriter;
+pub(crate) use plots::PlotWriter;
 pub(crate) use show::{Objects, Show};
 pub(crate) use table::CsvTable;
 

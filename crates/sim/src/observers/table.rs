@@ -1,5 +1,6 @@
 use super::Observer;
-use crate::scene::{Probe, ProbeNode, ProbeQuantity};
+use super::probes::{probe_columns, read_probes};
+use crate::scene::Probe;
 use crate::{Plan, SimError, Stepper, World};
 use std::fs::File;
 use std::io::{Seek, SeekFrom, Write};
@@ -59,8 +60,8 @@ impl CsvTable {
 
     /// What probes read.
     pub(crate) fn probes(path: &Path, probes: &[Probe], plan: Plan) -> Result<Self, SimError> {
-        let (names, probes) = (probes.iter().flat_map(columns), probes.to_vec());
-        let row = move |world: &World| probes.iter().flat_map(|probe| read(probe, world)).collect();
+        let (names, probes) = (probes.iter().flat_map(probe_columns), probes.to_vec());
+        let row = move |world: &World| read_probes(&probes, world);
         Self::open(path, names, Box::new(row), plan)
     }
 
@@ -137,31 +138,5 @@ impl Observer for CsvTable {
             self.pending += &self.header;
         }
         Ok(())
-    }
-}
-
-/// Names, with units, of what a probe reads.
-fn columns(probe: &Probe) -> [String; 3] {
-    let node = match probe.node {
-        ProbeNode::Tip => "tip".to_owned(),
-        ProbeNode::At { index } => format!("node {index}"),
-    };
-    let (symbol, unit) = match probe.quantity {
-        ProbeQuantity::Position => ("", "m"),
-        ProbeQuantity::Velocity => ("v", "m/s"),
-    };
-    ["x", "y", "z"].map(|axis| format!("fiber {} {node} {symbol}{axis} ({unit})", probe.fiber))
-}
-
-/// What a probe reads of a world.
-fn read(probe: &Probe, world: &World) -> [f64; 3] {
-    let node = match probe.node {
-        ProbeNode::Tip => None,
-        ProbeNode::At { index } => Some(index),
-    };
-    let (position, velocity) = world.node(probe.fiber, node);
-    match probe.quantity {
-        ProbeQuantity::Position => position.coords.into(),
-        ProbeQuantity::Velocity => velocity.into(),
     }
 }

@@ -7,7 +7,7 @@ pub struct CaseAnswer {
     pub name: String,
     /// Length of the rod, m: that of the case, or that which was wished for.
     pub length: f64,
-    /// Radius of the rod, m.
+    /// Radius of the rod where it is thickest, m.
     pub radius: f64,
     /// How the length was found, if that was asked.
     pub wish: Option<Length>,

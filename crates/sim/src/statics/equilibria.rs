@@ -1,9 +1,10 @@
 use super::answer::{CaseEquilibrium, Peak, Stability, Station};
 use crate::SimError;
 use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Unit, Vector3};
+use rapunzel_fiber::NodeProperties;
 use rapunzel_rod_static as rods;
 use rapunzel_scene::case::{Case, CaseEnd};
-use rapunzel_scene::{LoadFrame, Pose};
+use rapunzel_scene::{FiberMatter, LoadFrame, Pose};
 use rods::{Chain, Piece, Problem, Properties, State, StaticError, Target};
 
 /// Segments of a chain between two stations, at least: its error falls with their square.
@@ -65,9 +66,9 @@ fn resolved(case: &Case, found: &rods::Equilibrium) -> CaseEquilibrium {
 fn chain(case: &Case) -> Result<CaseEquilibrium, SimError> {
     let finer = CHAIN_SEGMENTS.div_ceil(case.parts);
     let count = case.parts * finer;
-    let mut whole = case.clone();
-    (whole.masses, whole.forces) = (Vec::new(), Vec::new());
-    let mut chain = Chain::new(&pose(&case.clamp)?, &pieces(&whole), count)?;
+    // Segments of a chain need no smooth properties: one piece, whose segments are all alike.
+    let whole = piece(case, &case.matter(), case.length);
+    let mut chain = Chain::new(&pose(&case.clamp)?, &[whole], count)?;
     #[expect(clippy::cast_possible_truncation, reason = "between 0 and the segments")]
     let node = |at: f64| (at / case.length * count as f64).round() as usize;
     let mut forces = chain.forces().to_vec();
@@ -118,28 +119,32 @@ fn equilibrium(
     load_energy: f64,
     place_forces: Vec<[f64; 3]>,
 ) -> CaseEquilibrium {
-    let stiffness = Vector3::from(case.properties().0);
+    let matter = case.matter();
     let natural = Vector3::from(case.natural_curvature);
-    let curvature =
-        |state: &State| natural + (state.frame.inverse() * state.moment).component_div(&stiffness);
+    let curvature = |(s, state): &(f64, State)| {
+        let stiffness = matter.at(s / case.length).stiffness;
+        natural + (state.frame.inverse() * state.moment).component_div(&stiffness)
+    };
     // What is bent to the radius of its length, or more.
     let largest = |unit: f64, of: &dyn Fn(&State) -> f64| {
         states.iter().map(|(_, state)| of(state)).fold(unit, f64::max)
     };
-    let unit = stiffness.max() / case.length;
+    let stiffest =
+        |most: f64, (s, _): &(f64, State)| most.max(matter.at(s / case.length).stiffness.max());
+    let unit = states.iter().fold(0.0, stiffest) / case.length;
     let force = largest(unit / case.length, &|state| state.force.norm());
     let moment = largest(unit, &|state| state.moment.norm());
-    let bent = largest(1.0 / case.length, &|state| curvature(state).norm());
+    let bent = states.iter().map(|at| curvature(at).norm()).fold(1.0 / case.length, f64::max);
     let far = largest(case.length, &|state| state.position.coords.norm());
     let stations: Vec<Station> = states
         .iter()
-        .map(|(s, state)| Station {
+        .map(|at @ (s, state)| Station {
             s: *s,
             position: rounded(state.position.coords, far),
             frame: [0, 1, 2].map(|i| rounded(state.frame.matrix().column(i).into_owned(), 1.0)),
             force: rounded(state.force, force),
             moment: rounded(state.moment, moment),
-            curvature: rounded(curvature(state), bent),
+            curvature: rounded(curvature(at), bent),
         })
         .collect();
     let bend = |station: &Station| station.curvature[0].hypot(station.curvature[1]);
@@ -172,18 +177,30 @@ fn equilibrium(
     }
 }
 
-/// The rod in pieces between its masses and forces.
-fn pieces(case: &Case) -> Vec<Piece> {
-    let (stiffness, density, _) = case.properties();
+/// A part of the rod of a length, m, whose properties depend on the arc length if they do.
+fn piece(case: &Case, matter: &FiberMatter, length: f64) -> Piece {
     let gravity = Vector3::from(case.gravity);
-    let properties = Properties {
-        stiffness: stiffness.into(),
-        natural_curvature: case.natural_curvature.into(),
-        load: gravity * density,
+    let natural = Vector3::from(case.natural_curvature);
+    let properties = move |node: NodeProperties| Properties {
+        stiffness: node.stiffness,
+        natural_curvature: natural,
+        load: gravity * node.linear_density,
     };
+    if matter.is_uniform() {
+        return Piece::uniform(length, properties(matter.at(0.0)));
+    }
+    let (matter, whole) = (matter.clone(), case.length);
+    Piece::varying(length, move |s| properties(matter.at(s / whole)))
+}
+
+/// The rod in pieces between its masses, its forces and the points of its taper.
+fn pieces(case: &Case) -> Vec<Piece> {
+    let matter = case.matter();
+    let gravity = Vector3::from(case.gravity);
     let masses = case.masses.iter().map(|mass| (mass.at, gravity * mass.mass));
     let forces = case.forces.iter().map(|force| (force.at, Vector3::from(force.value)));
     let mut loads: Vec<(f64, Vector3<f64>)> = masses.chain(forces).collect();
+    loads.extend(matter.kinks().map(|at| (at * case.length, Vector3::zeros())));
     loads.push((case.length, Vector3::zeros()));
     loads.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut pieces: Vec<Piece> = Vec::new();
@@ -193,7 +210,7 @@ fn pieces(case: &Case) -> Vec<Piece> {
         sum = if *at > 0.0 { sum + load } else { sum };
         let ends = loads.get(i + 1).is_none_or(|next| next.0 > *at);
         if ends && *at > from {
-            pieces.push(Piece::uniform(at - from, properties).with_end_load(sum));
+            pieces.push(piece(case, &matter, at - from).with_end_load(sum));
             (from, sum) = (*at, Vector3::zeros());
         }
     }

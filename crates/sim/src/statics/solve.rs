@@ -23,7 +23,7 @@ pub fn solve(case: &Case) -> Result<CaseAnswer, SimError> {
     Ok(CaseAnswer {
         name: case.name.clone(),
         length: case.length,
-        radius: case.properties().2,
+        radius: case.matter().thickest(),
         wish,
         equilibria: equilibria(&case)?,
     })

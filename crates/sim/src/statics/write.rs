@@ -30,7 +30,9 @@ impl CaseAnswer {
         for (table, found) in tables.iter().zip(&self.equilibria) {
             write_atomically(&folder.join(table), |to| to.write_all(found.table().as_bytes()))?;
         }
-        let strands = self.equilibria.iter().map(|found| found.strand(self.radius));
+        let matter = case.matter();
+        let radius = |s: f64| matter.at(s / self.length).section.equivalent_radius();
+        let strands = self.equilibria.iter().map(|found| found.strand(&radius));
         let frame = Frame { index: 0, time: 0.0, strands: strands.collect() };
         save(&folder.join(RODS), |to| vtp::write(to, &frame))?;
         let supports = self.equilibria.iter().enumerate();
@@ -74,7 +76,8 @@ impl CaseEquilibrium {
         supports.map(|(point, clamped)| Support { strand, point, clamped }).collect()
     }
 
-    fn strand(&self, radius: f64) -> Strand {
+    /// The rod as a strand, whose radius (m) is a function of the arc length (m).
+    fn strand(&self, radius: &dyn Fn(f64) -> f64) -> Strand {
         let stations = &self.stations;
         let frames = stations.iter().map(|station| {
             let columns = station.frame.map(Vector3::from);
@@ -83,7 +86,7 @@ impl CaseEquilibrium {
         let segments = stations.len() - 1;
         Strand {
             points: stations.iter().map(|station| station.position.into()).collect(),
-            radii: vec![radius; stations.len()],
+            radii: stations.iter().map(|station| radius(station.s)).collect(),
             velocities: vec![Vector3::zeros(); stations.len()],
             frames: frames.take(segments).collect(),
             curvatures: stations.iter().map(|station| station.curvature.into()).collect(),

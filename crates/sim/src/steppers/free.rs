@@ -46,6 +46,10 @@ impl<B: RodBatch + ?Sized> FiberStates for Fibers<B> {
         self.momentum()
     }
 
+    fn reaction(&self, fiber: usize, at_tip: bool, t: f64) -> Option<[Vector3<f64>; 2]> {
+        Some(self.reaction(fiber, at_tip, t))
+    }
+
     fn ledger(&self) -> Option<EnergyLedger> {
         self.ledger()
     }

@@ -122,13 +122,15 @@ fn fiber_supports(scene: &Scene, segments: &[Vec<usize>]) -> Vec<(Support, Range
         let by = |joint: &JointKind| match joint {
             JointKind::Clamped => Some(true),
             JointKind::Ball { .. } => Some(false),
-            JointKind::Free => None,
+            JointKind::Free | JointKind::Loaded { .. } => None,
         };
         let tip = match &bundle.tip {
             Tip::Free | Tip::Loaded { .. } => None,
             Tip::Pulled { until, .. } => Some((true, 0.0..*until)),
             Tip::Held => Some((true, ALWAYS)),
-            Tip::Driven { joint, .. } => by(joint).map(|clamped| (clamped, ALWAYS)),
+            Tip::Driven { joint, .. } | Tip::Led { joint, .. } => {
+                by(joint).map(|clamped| (clamped, ALWAYS))
+            }
         };
         // Roots of hair are many, and seen to be in the skin.
         let root = by(&bundle.root_joint).filter(|_| bundle.groom.is_none());

@@ -72,7 +72,9 @@ fn a_run_leaves_all_its_files() {
     let count = |extension: &str| files.keys().filter(|name| name.ends_with(extension)).count();
     assert_eq!((count(".vtp"), count(".hair"), count(".pov")), (11, 11, 11));
     assert_eq!((count(".xml"), count(".txt"), count(".obj")), (11, 11, 0));
-    for name in ["scene.ron", "checkpoint.bin", "summary.json", "preview.png", "fibers.usda"] {
+    for name in
+        ["scene.ron", "checkpoint.bin", "summary.json", "preview.png", "plots.svg", "fibers.usda"]
+    {
         assert!(files.contains_key(&format!("/{name}")), "{name} in {:?}", files.keys());
     }
     assert_eq!(count(".partial"), 0);
