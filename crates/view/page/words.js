@@ -6,7 +6,15 @@ const WORDS = {
     panel: "Show or hide the panel", picture: "Picture: drag to turn, arrow keys too",
     readings: "Numbers", plots: "Plots", looks: "Looks", knobs: "Sliders", notes: "Notes",
     freeze: "Freeze", colorBy: "Colors", thickness: "Thickness ×", shadows: "Shadows",
-    surfaces: "Surfaces", run: "Run (space)", pause: "Pause (space)", step: "One step (.)",
+    surfaces: "Surfaces", showContacts: "Contacts and forces", showField: "Electric field lines",
+    volumes: "Bounding volumes", volumesNone: "none", volumes0: "of segments",
+    volumes1: "of 16 segments", volumes2: "of 256 segments", volumes8: "of everything",
+    trace: "Picture", traceHint: "A picture by paths of light from here (T)", over: "Over each other",
+    tracing: "{done} of {samples} samples", traced: "{done} samples", tracedAlt: "Picture by paths of light",
+    longestArrow: "Longest arrow: {force}", fiber_charge: "Charge of a fibre", second: "Time of the second",
+    part_surfaces: "surfaces", part_pores: "pores", part_pre_guides: "pre-guides",
+    part_guides: "guides", part_hairs: "hairs", part_moving_apart: "fibres are moved apart",
+    part_settling: "fibres settle, step {done} of at most {most}", run: "Run (space)", pause: "Pause (space)", step: "One step (.)",
     restart: "Back to the start (R)", speed: "Speed", frame: "Frame", tools: "Tools",
     toolView: "Turn the view (V)", toolHand: "Pull nodes (H)", toolPin: "Fix or release nodes (P)",
     fit: "Show all (F)", mode: "Next variant", save: "Save scene", close: "Close",
@@ -26,20 +34,21 @@ const WORDS = {
     area: "area A", "area at rest": "area A0", volume: "volume V", "volume at rest": "volume V0",
     rope: "Ropes", net: "Nets", body: "Bodies", round: "Ring and ball", fibers: "Fibres",
     contactKind: "Fibres in contact", chargeKind: "Charged fibres",
-    connecting: "The program is not there. Waiting for it …", building: "Building …",
+    connecting: "The program is not there. Waiting for it …", building: "Building",
     watching: "Another page has the controls", wind: "Wind",
     saved: "Saved: {file}\nRun it: rapunzel run {file}",
     exact: "The run repeats what happened here bit by bit.",
     bent: "Sliders were moved after the start: the scene begins with their values of now.",
     failed: "It stands still: {message}\nGo back to the start, or change a slider first.",
     cannot: "This cannot be shown:", line: "line {line}",
-    noWebgl: "This browser has no WebGL2, which the picture needs. Numbers and sliders work.",
+    noWebgl: "This browser has no WebGL2. The program draws the picture instead: smaller and slower.",
     handHelp: "With the hand, a node follows the pointer on a spring of bounded force. Press K while "
-      + "pulling to keep pulling after you let go; Escape ends it. Fixed nodes are moved instead.",
+      + "pulling to keep pulling after you let go; Escape ends it. Fixed nodes are moved instead, "
+      + "and objects whose motion is given are dragged.",
     keys: {
       "Space": "run or pause", ".": "one step", "R": "back to the start", "F": "show all",
       "1 … 6": "from the front, right, back, left, top, below", "V H P": "turn, pull, fix",
-      "K": "keep pulling", "Esc": "let go", "C": "next color", "M": "next variant",
+      "K": "keep pulling", "T": "picture by paths of light", "O": "two runs over each other", "Esc": "let go", "C": "next color", "M": "next variant",
       "+ −": "faster, slower", "S": "save the scene", "G": "gallery", "B": "panel", "?": "this sheet",
       "← ↑ → ↓": "turn; with Shift move", "Wheel": "nearer, farther",
     },
@@ -49,7 +58,15 @@ const WORDS = {
     panel: "Leiste zeigen oder verbergen", picture: "Bild: ziehen dreht, Pfeiltasten auch",
     readings: "Zahlen", plots: "Kurven", looks: "Aussehen", knobs: "Regler", notes: "Hinweise",
     freeze: "Anhalten", colorBy: "Farben", thickness: "Dicke ×", shadows: "Schatten",
-    surfaces: "Flächen", run: "Start (Leertaste)", pause: "Pause (Leertaste)",
+    surfaces: "Flächen", showContacts: "Kontakte und Kräfte", showField: "Elektrische Feldlinien",
+    volumes: "Hüllkörper", volumesNone: "keine", volumes0: "der Segmente",
+    volumes1: "von 16 Segmenten", volumes2: "von 256 Segmenten", volumes8: "von allem",
+    trace: "Bild", traceHint: "Ein Bild aus Lichtwegen von hier aus (T)", over: "Übereinander",
+    tracing: "{done} von {samples} Proben", traced: "{done} Proben", tracedAlt: "Bild aus Lichtwegen",
+    longestArrow: "Längster Pfeil: {force}", fiber_charge: "Ladung einer Faser", second: "Zeit des zweiten",
+    part_surfaces: "Flächen", part_pores: "Poren", part_pre_guides: "Vorläufer von Leithaaren",
+    part_guides: "Leithaare", part_hairs: "Haare", part_moving_apart: "Fasern werden getrennt",
+    part_settling: "Fasern setzen sich, Schritt {done} von höchstens {most}", run: "Start (Leertaste)", pause: "Pause (Leertaste)",
     step: "Ein Schritt (.)", restart: "Zurück zum Anfang (R)", speed: "Tempo", frame: "Bild",
     tools: "Werkzeuge", toolView: "Ansicht drehen (V)", toolHand: "Knoten ziehen (H)",
     toolPin: "Knoten fixieren oder lösen (P)", fit: "Alles zeigen (F)", mode: "Nächste Variante",
@@ -79,20 +96,21 @@ const WORDS = {
     "work of led objects": "Arbeit geführter Körper",
     rope: "Seile", net: "Netze", body: "Körper", round: "Ring und Kugel", fibers: "Fasern",
     contactKind: "Fasern in Kontakt", chargeKind: "Geladene Fasern",
-    connecting: "Das Programm ist nicht da. Warten …", building: "Wird aufgebaut …",
+    connecting: "Das Programm ist nicht da. Warten …", building: "Wird aufgebaut",
     watching: "Eine andere Seite bedient", wind: "Wind",
     saved: "Gesichert: {file}\nAusführen: rapunzel run {file}",
     exact: "Der Lauf wiederholt das Geschehene Bit für Bit.",
     bent: "Regler wurden nach dem Anfang bewegt: Die Szene beginnt mit ihren Werten von jetzt.",
     failed: "Es steht still: {message}\nZurück zum Anfang, oder erst einen Regler ändern.",
     cannot: "Das kann nicht gezeigt werden:", line: "Zeile {line}",
-    noWebgl: "Dieser Browser hat kein WebGL2, das das Bild braucht. Zahlen und Regler gehen.",
+    noWebgl: "Dieser Browser hat kein WebGL2. Das Programm zeichnet das Bild: kleiner und langsamer.",
     handHelp: "Mit der Hand folgt ein Knoten dem Zeiger an einer Feder mit begrenzter Kraft. K beim "
-      + "Ziehen zieht nach dem Loslassen weiter; Escape beendet es. Fixierte Knoten werden bewegt.",
+      + "Ziehen zieht nach dem Loslassen weiter; Escape beendet es. Fixierte Knoten werden "
+      + "bewegt, und Körper mit vorgegebener Bewegung gezogen.",
     keys: {
       "Leertaste": "Start oder Pause", ".": "ein Schritt", "R": "zurück zum Anfang",
       "F": "alles zeigen", "1 … 6": "von vorn, rechts, hinten, links, oben, unten",
-      "V H P": "drehen, ziehen, fixieren", "K": "weiterziehen", "Esc": "loslassen",
+      "V H P": "drehen, ziehen, fixieren", "K": "weiterziehen", "T": "Bild aus Lichtwegen", "O": "zwei Läufe übereinander", "Esc": "loslassen",
       "C": "nächste Farbe", "M": "nächste Variante", "+ −": "schneller, langsamer",
       "S": "Szene sichern", "G": "Galerie", "B": "Leiste", "?": "dieses Blatt",
       "← ↑ → ↓": "drehen; mit Umschalt schieben", "Rad": "näher, ferner",
@@ -108,6 +126,8 @@ export function setLanguage(name) {
   for (const element of document.querySelectorAll("[data-text]")) {
     element.textContent = word(element.dataset.text);
   }
+  for (const element of document.querySelectorAll("[data-hint]")) element.title = word(element.dataset.hint);
+  for (const element of document.querySelectorAll("[data-alt]")) element.alt = word(element.dataset.alt);
   for (const element of document.querySelectorAll("[data-label]")) {
     element.title = word(element.dataset.label);
     element.setAttribute("aria-label", element.title);
