@@ -98,7 +98,7 @@ impl Driver {
     fn open(&mut self) {
         self.name.clear();
         if let Some(path) = &self.options.what {
-            let tell = teller(&self.hub);
+            let tell = teller(Arc::clone(&self.hub));
             self.watch = path.is_file().then(|| Watch::new(path));
             self.stage = Showing::open(path, self.options.beside.as_deref(), &tell);
         } else {
@@ -113,7 +113,7 @@ impl Driver {
             return;
         };
         let Some(scene) = scene.scene() else { return };
-        let tell = teller(&self.hub);
+        let tell = teller(Arc::clone(&self.hub));
         self.watch = None;
         let tell = |stage| tell(ShownStage::Building(stage));
         self.stage = Showing::build(scene, &self.options.folder, &tell);
@@ -273,8 +273,8 @@ impl Driver {
 }
 
 /// Tells pages that something is built, and from part to part what.
-fn teller(hub: &Hub) -> impl Fn(ShownStage) + use<'_> {
-    let tell = |mut about: serde_json::Value| {
+fn teller(hub: Arc<Hub>) -> impl Fn(ShownStage) {
+    let tell = move |mut about: serde_json::Value| {
         about["is"] = "about".into();
         about["kind"] = "building".into();
         hub.show(&about.to_string(), None);

@@ -44,6 +44,12 @@ pub(crate) const BALL: &str = "(
     environment: (viscosity: 1.8e-5),
     output: (frame_rate: 100.0, ledger: true),
 )";
+/// The same ball, which goes slowly through the hairs by itself.
+pub(crate) fn bump() -> String {
+    let motion = "-0.07), motion: Translate(velocity: (-0.1, 0.0, 0.0), until: 0.05))";
+    BALL.replace("-0.07))", motion).replace("0.035, 0.0", "0.027, 0.0")
+}
+
 /// Hairs with charge.
 pub(crate) const CHARGED: &str = "(
     format: 1, name: \"Charged hairs\", duration: 5.0, stepper: (dt: 1.0),

@@ -1,4 +1,4 @@
-use crate::common::{BALL, Client, HAIRS, Served};
+use crate::common::{Client, HAIRS, Served, bump};
 use rapunzel_sim::{Cancel, Control, Existing, RunFolder, Scene, Shown, World, run};
 use rapunzel_view::Options;
 use serde_json::Value;
@@ -145,7 +145,7 @@ fn two_runs_are_shown_beside_and_over_each_other_at_the_same_time() {
 fn contacts_of_a_run_are_shown_at_its_nodes() {
     let place = tempfile::tempdir().expect("a folder");
     let folder = place.path().join("run");
-    record_of(&BALL.replace("0.035, 0.0", "0.0205, 0.0"), &folder);
+    record_of(&bump(), &folder);
     let served = shown(&folder);
     let mut page = served.page();
     page.wait("about", |about| about["kind"] == "recorded");

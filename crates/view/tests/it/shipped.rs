@@ -1,5 +1,5 @@
 use crate::browser::Browser;
-use crate::common::{BALL, HAIRS, Served};
+use crate::common::{BALL, HAIRS, Served, bump};
 use crate::page::{gallery, lit, open, shipped};
 use rapunzel_view::{GalleryScene, Options};
 use serde_json::json;
@@ -108,7 +108,7 @@ fn the_same_scene_is_drawn_alike_from_a_fixed_camera() {
 fn contacts_volumes_and_pictures_are_shown_and_a_ball_is_dragged() {
     let Some(mut browser) = Browser::start(1000, 700) else { return };
     let folder = tempfile::tempdir().expect("a folder");
-    let served = Served::scene(folder.path(), &BALL.replace("0.035, 0.0", "0.0205, 0.0"));
+    let served = Served::scene(folder.path(), &bump());
     browser.open(&served.url);
     browser.wait("rapunzel.about.kind === 'live' && rapunzel.isFit");
     let (plain, _) = lit(&mut browser);
@@ -118,10 +118,10 @@ fn contacts_volumes_and_pictures_are_shown_and_a_ball_is_dragged() {
             volumes.value = '1';
             volumes.dispatchEvent(new Event('change')); })()",
     );
-    for _ in 0..20 {
+    for _ in 0..40 {
         browser.key(".");
     }
-    browser.wait("rapunzel.state.steps === 20");
+    browser.wait("rapunzel.state.steps === 40");
     browser.wait(
         "rapunzel.painter.frame.pushes.length > 0 && rapunzel.painter.frame.boxes.length > 0",
     );
@@ -142,7 +142,7 @@ fn contacts_volumes_and_pictures_are_shown_and_a_ball_is_dragged() {
     browser.key("h");
     let at = browser.value(
         "(() => { const c = document.getElementById('picture'), box = c.getBoundingClientRect();
-            const [x, y] = rapunzel.camera.project([0.03, 0, -0.07], c.clientWidth, c.clientHeight);
+            const [x, y] = rapunzel.camera.project([0.025, 0, -0.07], c.clientWidth, c.clientHeight);
             return [x + box.left, y + box.top]; })()",
     );
     let (x, y) = (at[0].as_f64().expect("x"), at[1].as_f64().expect("y"));

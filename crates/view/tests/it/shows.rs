@@ -1,4 +1,4 @@
-use crate::common::{BALL, CHARGED, HAIRS, Served};
+use crate::common::{CHARGED, HAIRS, Served, bump};
 use std::fs;
 
 /// Distance of a place from the nearest point of the last frame, m.
@@ -13,14 +13,13 @@ fn nearest(page: &crate::common::Client, place: &[f64]) -> f64 {
 #[test]
 fn contacts_are_shown_on_demand_where_they_are() {
     let folder = tempfile::tempdir().expect("a folder");
-    // The hairs hang into the ball at the start.
-    let served = Served::scene(folder.path(), &BALL.replace("0.035, 0.0", "0.0205, 0.0"));
+    let served = Served::scene(folder.path(), &bump());
     let mut page = served.page();
     page.wait("about", |about| about["kind"] == "live" && about["has_contacts"] == true);
-    for _ in 0..20 {
+    for _ in 0..40 {
         page.order(r#"{"do":"step"}"#);
     }
-    let state = page.wait("state", |state| state["steps"] == 20);
+    let state = page.wait("state", |state| state["steps"] == 40);
     let active = state["contacts"].as_u64().expect("a number");
     assert!(active > 0, "{state}");
     page.wait_frame(|page| page.extras()[0].is_empty());
@@ -32,8 +31,8 @@ fn contacts_are_shown_on_demand_where_they_are() {
         // Segments are 5 mm long: no place of a fibre is farther from a node than half of that.
         let off = nearest(&page, &push[..3]);
         assert!(off < 2.6e-3, "{off}");
-        let from_ball = [push[0] - 0.0205, push[1], push[2] + 0.07];
-        let out: f64 = from_ball.iter().zip(&push[3..]).map(|(a, b)| a * b).sum();
+        let ball = page.object(0);
+        let out: f64 = (0..3).map(|k| (push[k] - ball[k]) * push[3 + k]).sum();
         let force = push[3..].iter().map(|x| x * x).sum::<f64>().sqrt();
         assert!(force > 0.0 && out > 0.0, "the ball pushes outward: {push:?}");
     }
