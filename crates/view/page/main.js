@@ -287,10 +287,12 @@ function show() {
   });
 }
 
+const thickness = () => 10 ** Number($("thickness").value);
+
 function trace() {
   if (page.painter.isPlain || !page.painter.frame) return;
   if (page.traced.isOn) page.traced.end();
-  else page.traced.ask(page.camera, canvas.clientWidth, canvas.clientHeight);
+  else page.traced.ask(page.camera, [canvas.clientWidth, canvas.clientHeight], thickness());
 }
 
 function setTheme(name) {

@@ -17,7 +17,7 @@ export class Traced {
   }
 
   // Asks for a picture of `width` and `height` in place of the one before.
-  ask(camera, width, height, samples = SAMPLES) {
+  ask(camera, [width, height], thickness, samples = SAMPLES) {
     this.number++;
     Object.assign(this, { isOn: true, done: 0, waits: true, seen: view(camera) });
     this.badge.hidden = false;
@@ -27,6 +27,7 @@ export class Traced {
       do: "picture", number: this.number, eye: camera.eye(), target: camera.target,
       field: 2 * Math.atan(Math.tan(FIELD / 2) * aspect),
       size: [Math.max(1, Math.round(width)), Math.max(1, Math.round(height))], samples,
+      thickness, plain: samples < SAMPLES,
     });
   }
 
@@ -97,13 +98,13 @@ export class PlainPainter {
     return [low, high];
   }
 
-  draw(camera) {
+  draw(camera, { thickness }) {
     const { traced, canvas } = this;
     if (!this.frame || traced.waits) return;
     if (!this.wanted && traced.isOn && view(camera) === traced.seen) return;
     this.wanted = false;
     const [width, height] = [canvas.clientWidth, canvas.clientHeight];
     const part = Math.min(1, NARROW / width);
-    traced.ask(camera, part * width, part * height, FEW);
+    traced.ask(camera, [part * width, part * height], thickness, FEW);
   }
 }

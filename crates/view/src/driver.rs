@@ -203,7 +203,11 @@ impl Driver {
                 let range = self.colors.range;
                 (by, range.unwrap_or_else(|| ColorRange::of(by.values(&frame))))
             });
-            let options = StageOptions { ratio, coloring, ..StageOptions::default() };
+            let radius = frame.strands.first().and_then(|strand| strand.radii.first());
+            let thickness = wish.thickness(radius.copied().unwrap_or(1.0));
+            let ground = !wish.plain;
+            let options =
+                StageOptions { ratio, coloring, thickness, ground, ..StageOptions::default() };
             darkroom.draw(Sitting { page, wish, frame, objects, options });
         }
     }

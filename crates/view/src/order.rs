@@ -106,7 +106,7 @@ mod tests {
             r#"{"do":"move","to":[0,0]}"#,
             r#"{"do":"move","to":[0,0,1e9]}"#,
             r#"{"do":"show","contacts":true,"volumes":-1,"field":false}"#,
-            r#"{"do":"picture","number":1,"eye":[0,0,1e9],"target":[0,0,0],"field":1,"size":[9,9],"samples":1}"#,
+            r#"{"do":"picture","number":1,"eye":[0,0,1e9],"target":[0,0,0],"field":1,"thickness":1,"plain":false,"size":[9,9],"samples":1}"#,
             r#"{"do":"set","knob":"frequency","value":3,"more":1}"#,
         ] {
             assert_eq!(Order::read(text), None, "{text}");

@@ -4,7 +4,7 @@ use std::time::Instant;
 fn wish(number: u32, size: [u32; 2], samples: u32) -> String {
     format!(
         r#"{{"do":"picture","number":{number},"eye":[0.1,-0.3,-0.03],"target":[0.0,0.0,-0.05],
-            "field":0.6,"size":[{},{}],"samples":{samples}}}"#,
+            "field":0.6,"thickness":1.0,"plain":false,"size":[{},{}],"samples":{samples}}}"#,
         size[0], size[1]
     )
 }

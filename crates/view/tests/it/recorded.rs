@@ -149,7 +149,7 @@ fn contacts_of_a_run_are_shown_at_its_nodes() {
     let served = shown(&folder);
     let mut page = served.page();
     page.wait("about", |about| about["kind"] == "recorded");
-    page.order(r#"{"do":"seek","frame":10}"#);
+    page.order(r#"{"do":"seek","frame":5}"#);
     page.order(r#"{"do":"show","contacts":true,"volumes":0,"field":true}"#);
     page.wait_frame(|page| !page.extras()[0].is_empty());
     let [pushes, boxes, lines] = page.extras();
