@@ -18,11 +18,15 @@ import { languageNow, quantity, setLanguage, word } from "./words.js";
 const $ = (id) => document.getElementById(id);
 const canvas = $("picture");
 const SIDES = ["front", "right", "back", "left", "top", "below"];
+// Where a picture takes so long, ms, those that follow each other have half the points and no shadow
+// of the lamp, and after so long without another comes the whole one.
+const SLOW = 45;
+const CALM = 400;
 const SIDEWAYS = { azimuth: 0.35, elevation: 0.15 };
 
 // What may be read by tests too.
 const page = {
-  about: { kind: "none" }, state: {}, mine: false, frames: 0, lastDraw: 0, drawTime: 0,
+  about: { kind: "none" }, state: {}, mine: false, frames: 0, lastDraw: 0, cost: 0,
   camera: new Camera(), painter: null, tool: "view", isFit: false, stale: true,
 };
 window.rapunzel = page;
@@ -246,6 +250,11 @@ const dark = () => document.documentElement.dataset.theme === "dark";
 
 function draw(now) {
   requestAnimationFrame(draw);
+  // A picture that is not done yet keeps the next one waiting.
+  if (page.drewBefore) page.cost = 0.7 * page.cost + 0.3 * (now - page.lastDraw);
+  page.drewBefore = false;
+  const hurries = page.cost > SLOW;
+  if (page.wasHurried && now - page.lastDraw > CALM) redraw();
   if (page.lead) {
     link.send({ do: "move", to: page.lead });
     page.lead = null;
@@ -259,10 +268,11 @@ function draw(now) {
   if (!page.stale || width === 0) return;
   page.stale = page.painter.isPlain;
   if (!page.painter.isPlain) page.traced.follow(page.camera);
-  page.painter.draw(page.camera, lookOf(page, hand.held, dark(), density));
+  page.wasHurried = hurries && now - page.lastDraw < CALM;
+  page.painter.draw(page.camera, { ...lookOf(page, hand.held, dark(), density), hurried: page.wasHurried });
   showRuler(page.camera, canvas.clientHeight, quantity);
   showForce();
-  page.drawTime = now - page.lastDraw;
+  page.drewBefore = true;
   page.lastDraw = now;
   page.drawn = (page.drawn ?? 0) + 1;
   if (page.unsent) {

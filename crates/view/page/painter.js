@@ -30,6 +30,7 @@ export class Painter {
     this.marking = gl.createVertexArray();
     // What is drawn from textures has indices and no attributes.
     this.ribbons = this.makeIndices();
+    this.coarse = this.makeIndices();
     this.lines = this.makeIndices();
     this.cloth = this.makeIndices();
     this.objects = [];
@@ -123,21 +124,27 @@ export class Painter {
     const { count, counts, radii, triangles } = layout;
     const colors = new Uint8Array(4 * count);
     const ribbons = new Uint32Array(2 * count + counts.length);
+    const coarse = new Uint32Array(ribbons.length);
     const lines = new Uint32Array(count + counts.length);
-    let [point, ribbon, line] = [0, 0, 0];
+    let [point, ribbon, few, line] = [0, 0, 0, 0];
     counts.forEach((own, strand) => {
       for (let k = 0; k < own; k++, point++) {
         for (let c = 0; c < 3; c++) colors[4 * point + c] = layout.colors[4 * strand + c];
         colors[4 * point + 3] = (k === 0 ? 1 : 0) + (k === own - 1 ? 2 : 0);
         ribbons[ribbon++] = 2 * point;
         ribbons[ribbon++] = 2 * point + 1;
-        // A shadow needs not every point of a hair.
-        if (layout.springs || k % 2 === 0 || k === own - 1) lines[line++] = point;
+        // A shadow needs not every point of a hair, and a hurried picture neither.
+        if (layout.springs || k % 2 === 0 || k === own - 1) {
+          lines[line++] = point;
+          coarse[few++] = 2 * point;
+          coarse[few++] = 2 * point + 1;
+        }
       }
       // The largest number begins anew.
-      ribbons[ribbon++] = lines[line++] = 0xffffffff;
+      ribbons[ribbon++] = coarse[few++] = lines[line++] = 0xffffffff;
     });
     this.fillIndices(this.ribbons, ribbons);
+    this.fillIndices(this.coarse, coarse.subarray(0, few));
     this.fillIndices(this.lines, lines.subarray(0, line));
     this.fillIndices(this.cloth, triangles);
     this.makeTexture(POINTS, gl.RGBA16UI);
@@ -226,7 +233,7 @@ export class Painter {
     const seen = camera.matrices(width / height);
     const { right, up, back } = seen.axes;
     const toLight = unit(add(add(scale(right, -0.55), scale(up, 0.9)), scale(back, 0.75)));
-    const shadow = look.shadows ? this.drawShadow(camera, toLight) : null;
+    const shadow = look.shadows && !look.hurried ? this.drawShadow(camera, toLight) : null;
     const occluded = look.shadows && !this.layout.springs;
     if (occluded) this.occlusion.fill(this.layout, this.frame, this.most, look.thickness);
     const common = {
@@ -253,7 +260,7 @@ export class Painter {
       uThinnest: 0.55 * look.density,
       uRoundness: this.layout.springs ? 0.9 : 0.35,
     });
-    this.drawIndices(gl.TRIANGLE_STRIP, this.ribbons);
+    this.drawIndices(gl.TRIANGLE_STRIP, look.hurried ? this.coarse : this.ribbons);
     if (look.surfaces && this.layout.triangles.length > 0) this.drawCloth(common, look.cloth);
     drawOverlays(this, common, camera.target, look);
     this.drawMarks(common, camera.target, look);

@@ -46,26 +46,15 @@ float lit(vec3 place) {
 }
 `;
 
-// Light from all around, as far as hair lets it through: the mean over some directions.
+// Light from all around, as far as hair lets it through.
 const OPEN = `
-uniform highp sampler3D uDensity; // optical depths of cells
+uniform highp sampler3D uDensity;
 uniform vec3 uDensityLow;
 uniform float uDensityCell, uDensitySide;
-float through(vec3 place, vec3 way) {
-  float depth = 0., far = 1.;
-  for (int k = 0; k < 4; k++) {
-    vec3 at = (place + way * (far * uDensityCell) - uDensityLow) / (uDensityCell * uDensitySide);
-    depth += far * texture(uDensity, at).r;
-    far *= 2.;
-  }
-  return exp(-.5 * depth);
-}
-float open(vec3 place, vec3 eye) {
+float open(vec3 place) {
   if (uDensityCell == 0.) return 1.;
-  vec3 side = normalize(cross(eye, vec3(.31, .17, .93)));
-  float sum = through(place, eye) + through(place, vec3(0., 0., 1.))
-    + through(place, side) + through(place, -side);
-  return mix(.22, 1., .25 * sum);
+  vec3 at = (place - uDensityLow) / (uDensityCell * uDensitySide);
+  return mix(.12, 1., textureLod(uDensity, at, 0.).r);
 }
 `;
 
@@ -94,7 +83,7 @@ vec3 shade(vec3 place, vec3 t, vec3 n, vec3 own) {
   float glow = pow(max(0., sqrt(max(0., 1. - shift * shift))), 24.);
   float shadow = lit(place);
   float gloss = uColoring == 0 ? 1. : .35;
-  float around = open(place, normalize(uEye - place));
+  float around = open(place);
   vec3 sum = color * (.34 * around + .85 * diffuse * shadow * mix(.55, 1., around))
     + shadow * gloss * (.07 * shine * vec3(1.) + .9 * glow * color);
   return sqrt(sum);

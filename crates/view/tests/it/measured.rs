@@ -1,6 +1,8 @@
 //! Times of the page, which are printed and not judged:
 //! `cargo test --release -p rapunzel-view measured -- --ignored --nocapture --test-threads 1`.
 
+#![expect(clippy::print_stdout, reason = "that is what it is for")]
+
 use crate::browser::Browser;
 use crate::common::{ROPE, Served};
 use crate::page::{gallery, open};
@@ -107,12 +109,12 @@ fn measured_way_from_the_mouse_to_the_picture() {
     browser.value("document.getElementById('run').click()");
     let mut times = Vec::new();
     for round in 0..12 {
-        let (x, y) = crate::page::pixels(&mut browser, 20);
+        let (x, y) = crate::page::pixels(&mut browser, 0);
         browser.mouse("mousePressed", x, y);
         browser.wait("rapunzel.state.holds");
         browser.value(
             "window.seen = new Promise((done) => {
-                const at = () => rapunzel.painter.place(20)[0];
+                const at = () => rapunzel.painter.place(0)[0];
                 document.getElementById('picture').addEventListener('pointermove', () => {
                     const [begin, from] = [performance.now(), at()];
                     const look = () => (Math.abs(at() - from) > 0.002 && !rapunzel.stale

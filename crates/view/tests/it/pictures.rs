@@ -25,7 +25,7 @@ fn finished(page: &mut Client, number: u32, samples: u32) {
         if page.pictures.iter().any(is) {
             return;
         }
-        assert!(begin.elapsed() < PATIENCE, "{:?}", page.pictures.iter().map(|p| told(p)).last());
+        assert!(begin.elapsed() < PATIENCE, "{:?}", page.pictures.last().map(|p| told(p)));
         page.order(r#"{"do":"fit_colors"}"#);
         page.text().expect("the connection holds");
     }

@@ -10,7 +10,7 @@ fn record(folder: &Path) {
     record_of(HAIRS, folder);
 }
 
-fn record_of(text: &str, folder: &Path) {
+pub(crate) fn record_of(text: &str, folder: &Path) {
     let scene = Scene::from_ron(text).expect("a scene");
     let mut folder = RunFolder::open(folder, Existing::Refuse).expect("a folder");
     let control = Control {

@@ -292,3 +292,49 @@ fn every_slider_of_the_page_changes_its_parameter() {
     assert!(wanted.iter().all(|knob| seen.iter().any(|own| own == knob)), "{seen:?}");
     assert_eq!(browser.errors, Vec::<String>::new());
 }
+
+#[test]
+fn field_lines_and_two_runs_are_drawn() {
+    let Some(mut browser) = Browser::start(900, 600) else { return };
+    let folder = tempfile::tempdir().expect("a folder");
+    let served = Served::scene(folder.path(), crate::common::CHARGED);
+    browser.open(&served.url);
+    browser.wait("rapunzel.about.kind === 'live' && rapunzel.isFit");
+    browser.value("document.getElementById('field').click()");
+    for _ in 0..4 {
+        browser.key(".");
+    }
+    browser.wait("rapunzel.state.steps === 4");
+    let (plain, _) = lit(&mut browser);
+    browser.wait("rapunzel.painter.frame.lines.counts.length > 5");
+    let (shown, _) = lit(&mut browser);
+    // A line is a pixel wide, and as long as the hair at least.
+    assert!(shown > 1000 && shown >= plain, "{plain} {shown}");
+    browser.value(
+        "(() => { const color = document.getElementById('color');
+            color.value = 'charge';
+            color.dispatchEvent(new Event('change')); })()",
+    );
+    browser.wait("rapunzel.state.colored && rapunzel.painter.frame.low < 0");
+    browser.picture("field-lines");
+    let [first, second] = ["first", "second"].map(|name| folder.path().join(name));
+    crate::recorded::record_of(HAIRS, &first);
+    crate::recorded::record_of(&HAIRS.replace("0.005, 0.005", "0.002, 0.008"), &second);
+    let options = Options {
+        what: Some(first),
+        beside: Some(second),
+        ..Options::local(folder.path().to_owned())
+    };
+    let served = Served::new(options);
+    browser.open(&served.url);
+    browser.wait("rapunzel.about.kind === 'recorded' && rapunzel.isFit");
+    let width =
+        "(() => { const [low, high] = rapunzel.painter.box(); return high[0] - low[0]; })()";
+    let beside = browser.value(width).as_f64().expect("m");
+    browser.picture("two-runs");
+    browser.value("document.getElementById('over').click()");
+    browser.wait(&format!("rapunzel.state.over && {width} < 0.7 * {beside}"));
+    browser.key("o");
+    browser.wait(&format!("!rapunzel.state.over && {width} > 0.9 * {beside}"));
+    assert_eq!(browser.errors, Vec::<String>::new());
+}
