@@ -115,7 +115,7 @@ function showAbout(about) {
   $("save").hidden = !isLive;
   $("over").hidden = !about.two;
   $("trace").hidden = page.painter.isPlain || !["live", "recorded"].includes(about.kind);
-  $("contacts-box").hidden = !about.has_contacts;
+  $("contacts-box").hidden = !about.has_contacts && !about.has_pushes;
   $("field-box").hidden = !about.has_charge;
   $("tool-hand").hidden = !about.can_pull && !about.can_drag;
   $("tool-pin").hidden = !about.can_hold;

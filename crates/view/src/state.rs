@@ -39,7 +39,7 @@ pub(crate) fn about(stage: &Showing, title: &str, gallery: &[GalleryScene], name
             "kind": "recorded",
             "frames": recorded.count(),
             "two": recorded.first_of_two().is_some(),
-            "has_contacts": true,
+            "has_pushes": true,
         }),
         Showing::Broken(Broken { message, problems }) => {
             let problems: Vec<_> = problems
