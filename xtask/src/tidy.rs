@@ -42,7 +42,7 @@ const ARROWS: [(&str, &[&str]); 26] = [
     // The writers are for its tests only.
     ("strands", &["collision", "export", "oracles"]),
     ("sim", &["*"]),
-    ("view", &["export", "scene", "studio", "sim"]),
+    ("view", &["export", "render", "scene", "studio", "sim"]),
     ("rapunzel", &["*"]),
     ("xtask", &["*"]),
 ];

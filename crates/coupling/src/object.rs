@@ -92,6 +92,16 @@ impl CollisionObject {
         self.free_body().map(FreeBody::body)
     }
 
+    /// Gives a kinematic object another motion, the pose at a time (s); false, and nothing done,
+    /// for one that moves freely.
+    pub fn lead(&mut self, pose: Box<dyn Fn(f64) -> Isometry3<f64> + Send + Sync>) -> bool {
+        let is_led = !self.is_free();
+        if is_led {
+            self.motion = ObjectMotion::Kinematic(pose);
+        }
+        is_led
+    }
+
     /// Energy of a free body, J, in a gravity, m/s^2; `None` for a given motion.
     #[must_use]
     pub fn energy(&self, gravity: &Vector3<f64>) -> Option<Energy> {

@@ -216,6 +216,9 @@ pub(crate) struct ViewOptions {
     /// A scene or a style (RON), the folder of a run or of a grown style, or a file of strands or
     /// of a frame [default: a gallery of the scenes that ship].
     pub(crate) what: Option<PathBuf>,
+    /// Another run, style or file of strands, which is shown beside WHAT or over it.
+    #[arg(long, value_name = "WHAT", requires = "what")]
+    pub(crate) beside: Option<PathBuf>,
     /// The address and port to listen at, 0 for any free port. Where other machines reach it, pages
     /// must bring a token, which is in the address that is printed.
     #[arg(long, value_name = "ADDRESS", default_value = "127.0.0.1:0")]

@@ -14,8 +14,8 @@ use std::{env, fs, io};
 pub(crate) fn view(options: ViewOptions, json: bool) -> Result<ExitCode, Failure> {
     start_threads(options.threads)?;
     catch_interrupts("interrupted: the page has ended")?;
-    let ViewOptions { what, listen, run, no_browser, .. } = options;
-    if let Some(path) = &what {
+    let ViewOptions { what, beside, listen, run, no_browser, .. } = options;
+    for path in what.iter().chain(&beside) {
         fs::metadata(path).map_err(|error| {
             Failure::File(format!("cannot read {}: {error}; check the path", path.display()))
         })?;
@@ -27,6 +27,7 @@ pub(crate) fn view(options: ViewOptions, json: bool) -> Result<ExitCode, Failure
         address: listen,
         token,
         what,
+        beside,
         gallery: gallery.collect(),
         folder: PathBuf::from("."),
         runs: run,
@@ -43,7 +44,14 @@ pub(crate) fn view(options: ViewOptions, json: bool) -> Result<ExitCode, Failure
         // The address is printed: whoever has no browser knows where to go.
         let _ = open_browser(&url);
     }
-    server.run(&|| CANCEL.hear()).map_err(failed)?;
+    if let Some(kept) = server.run(&|| CANCEL.hear()).map_err(failed)? {
+        let kept = kept.display().to_string();
+        if json {
+            say(&serde_json::json!({ "kept": kept }).to_string())?;
+        } else {
+            say(&format!("where it stood is kept: rapunzel view {kept} goes on there"))?;
+        }
+    }
     Ok(ExitCode::from(INTERRUPTED))
 }
 

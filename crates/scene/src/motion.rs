@@ -216,7 +216,12 @@ fn between(points: &[Keyframe], t: f64, start: &Point3<f64>) -> Isometry3<f64> {
     let next = points.get(after).unwrap_or(last);
     let x = if next.time > last.time { (t - last.time) / (next.time - last.time) } else { 0.0 };
     let turned = orientation(last) * UnitQuaternion::from_scaled_axis(turned(last, next) * x);
-    let moved = Vector3::from(last.translation).lerp(&next.translation.into(), x);
+    let moved = if last.translation == next.translation {
+        // At rest to the last bit, as before there was a next pose.
+        last.translation.into()
+    } else {
+        Vector3::from(last.translation).lerp(&next.translation.into(), x)
+    };
     Translation3::from(moved) * Isometry3::rotation_wrt_point(turned, *start)
 }
 

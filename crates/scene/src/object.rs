@@ -1,6 +1,7 @@
 use super::check::{Allowed, Check};
 use super::contact::check_restitution;
-use super::{FrictionLaw, Motion};
+use super::{FrictionLaw, Keyframe, Motion};
+use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -30,6 +31,10 @@ pub struct Object {
     /// Prescribed motion of a kinematic object.
     #[serde(default)]
     pub motion: Motion,
+    /// Displacements of a kinematic object by hand, on top of its motion, as `Keyframes` of a
+    /// motion are; left out, none.
+    #[serde(default)]
+    pub drag: Vec<Keyframe>,
     /// Whether the object is kinematic or moves freely.
     #[serde(default)]
     pub moves: Moves,
@@ -141,10 +146,35 @@ fn one() -> f64 {
 const FASTEST_SPIN: f64 = 3.6e5;
 
 impl Object {
+    /// Where the object is at the start: the map from its frame to the world.
+    #[must_use]
+    pub fn start(&self) -> Isometry3<f64> {
+        let [x, y, z] = self.turn.map(f64::to_radians);
+        let turn = UnitQuaternion::from_euler_angles(x, y, z);
+        Isometry3::from_parts(Translation3::from(self.position), turn)
+    }
+
+    /// The pose of a kinematic object by time, s, with what hands did to it.
+    pub fn led_pose(&self) -> impl Fn(f64) -> Isometry3<f64> + Send + Sync + 'static {
+        let (motion, origin, start) = (self.motion.clone(), self.position.into(), self.start());
+        let drag = Motion::Keyframes { points: self.drag.clone() };
+        move |t| {
+            let pose = motion.displacement(t, &origin) * start;
+            let by = drag.displacement(t, &Point3::from(pose.translation.vector));
+            // Before a hand comes, all is as without it to the last bit.
+            if by == Isometry3::identity() { pose } else { by * pose }
+        }
+    }
+
     pub(super) fn check(&self, check: &mut Check) {
         check.vector("position", &self.position, "m");
         check.vector("turn", &self.turn, "degrees");
         check.within("motion", |c| self.motion.check(c));
+        if !self.drag.is_empty() {
+            check.within("drag", |c| {
+                Motion::Keyframes { points: self.drag.clone() }.check(c);
+            });
+        }
         check.within("shape", |c| self.shape.check(c));
         if let Some(friction) = &self.friction {
             check.within("friction", |c| friction.check(c));
@@ -164,8 +194,9 @@ impl Object {
                 c.number(&format!("spin[{i}]"), x, allowed, "degrees/s");
             }
         });
-        if self.motion != Motion::Fixed {
-            check.refuse("motion", "is given, but the object moves freely: leave one out".into());
+        let led = [("motion", self.motion != Motion::Fixed), ("drag", !self.drag.is_empty())];
+        for (field, _) in led.into_iter().filter(|(_, is_led)| *is_led) {
+            check.refuse(field, "is given, but the object moves freely: leave one out".into());
         }
         if self.shape.is_endless() {
             check.refuse("moves", "is Free, but the shape has no end: it cannot fall".into());

@@ -93,6 +93,9 @@ pub enum SimError {
     /// Hands are laid on what cannot be taken hold of.
     #[error("nothing here can be {0} by hand: fibres can be pulled, mass-spring systems also held")]
     NoHands(&'static str),
+    /// An object is led by hand that moves freely, or that is not there.
+    #[error("objects[{0}] cannot be led: it moves freely, or there is no such object")]
+    Unled(usize),
     /// A fibre of the scene cannot be built although each of its numbers is in range.
     #[error("fibers[{bundle}]: {source}")]
     Fiber {

@@ -1,6 +1,6 @@
 //! Hands on what moves: nodes that are pulled at and moved while a world runs.
 
-use crate::scene::{Grip, Hold};
+use crate::scene::{Grip, Hold, Object};
 use crate::stepper::NodePull;
 use crate::{SimError, World};
 use nalgebra::{Isometry3, Vector3};
@@ -37,6 +37,16 @@ impl World {
     /// [`SimError::NoHands`] for fibres, [`SimError::MassSpring`] for a node that is not there.
     pub fn add_hold(&mut self, hold: Hold) -> Result<(), SimError> {
         self.stepper_mut().hold(hold)
+    }
+
+    /// Leads a kinematic object from now on as `scene` says, by its motion and by what hands did to
+    /// it. It must be where it was, or what touches it is torn.
+    ///
+    /// # Errors
+    /// [`SimError::Unled`] for an object that moves freely or is not there.
+    pub fn lead(&mut self, object: usize, scene: &Object) -> Result<(), SimError> {
+        let led = self.objects_mut().get_mut(object).map(|of| of.lead(Box::new(scene.led_pose())));
+        if led == Some(true) { Ok(()) } else { Err(SimError::Unled(object)) }
     }
 
     /// Poses of all objects now, in the order of [`surfaces`](Self::surfaces).

@@ -10,6 +10,7 @@ mod file;
 mod folder;
 mod folder_lock;
 mod hands;
+mod kept;
 pub mod lab;
 mod manifest;
 mod mass_spring;
@@ -23,6 +24,7 @@ mod steppers;
 mod storage;
 pub mod style;
 mod summary;
+mod volumes;
 mod world;
 
 pub use assemble::BuildStage;
@@ -31,6 +33,7 @@ pub use estimate::{MemoryEstimate, MemoryShare};
 pub use file::read_text;
 pub use folder::{Existing, RunFolder, claim};
 pub use folder_lock::in_use;
+pub use kept::{keep_state, take_up_state};
 pub use rapunzel_charging::{ChargeReport, ChargingError};
 pub use rapunzel_coupling::{
     ActiveContact, BodyRef, ContactReport, ContactTimes, ContactWork, CouplingError, EnergyLedger,
@@ -42,4 +45,5 @@ pub use shown::{Shown, ShownFrame, ShownStage};
 pub use stepper::{FiberStates, NodePull, Scenery, Stepper};
 pub use storage::write_atomically;
 pub use summary::{LeftOut, Outcome, Statistics, Summary};
+pub use volumes::bounding_boxes;
 pub use world::{Snapshot, World};

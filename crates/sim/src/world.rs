@@ -150,6 +150,10 @@ impl World {
         &self.objects
     }
 
+    pub(crate) fn objects_mut(&mut self) -> &mut [CollisionObject] {
+        &mut self.objects
+    }
+
     /// The fibres in their natural state; an assembly of none where something else moves.
     #[must_use]
     pub fn assembly(&self) -> &Assembly {

@@ -2,7 +2,8 @@
 
 import { add, cross, dot, multiply, perspective, scale, sub, view } from "./matrix.js";
 
-const FIELD = (30 * Math.PI) / 180;
+// Angle between the lower and the upper edge of the picture.
+export const FIELD = (30 * Math.PI) / 180;
 
 export class Camera {
   constructor() {

@@ -38,7 +38,10 @@ export class Hand {
     const tool = event.button === 0 && !event.shiftKey ? this.page.tool(event) : "view";
     if (tool === "view") return;
     const point = this.pick(x, y, NEAR[event.pointerType] ?? NEAR.mouse);
-    if (point === null) return;
+    if (point === null) {
+      if (tool === "hand") this.takeObject(x, y);
+      return;
+    }
     if (tool === "hand") this.take(point, x, y);
     else this.page.fix(point);
   }
@@ -70,12 +73,21 @@ export class Hand {
     this.page.take(point, to);
   }
 
+  // An object whose motion is given is dragged along the picture.
+  takeObject(x, y) {
+    const found = this.page.findObject(x, y);
+    if (!found) return;
+    this.keeps = false;
+    this.held = { object: found.object, to: found.place, depth: found.place };
+    this.page.takeObject(found.object, found.place);
+  }
+
   move(event) {
     const before = this.pointers.get(event.pointerId);
     const [x, y] = this.at(event);
     if (!before) {
       const looks = event.pointerType === "mouse" && this.page.tool(event) !== "view";
-      this.page.hover(looks && this.pick(x, y, NEAR.mouse) !== null);
+      this.page.hover(looks && (this.pick(x, y, NEAR.mouse) !== null || Boolean(this.page.findObject(x, y))));
       return;
     }
     const [dx, dy] = [x - before.x, y - before.y];

@@ -37,6 +37,7 @@ export class Link {
     }
     const mark = String.fromCharCode(...new Uint8Array(data, 0, 4));
     if (mark === "RPF1") this.heard.frame(readFrame(data));
+    if (mark === "RPP1") this.heard.picture(readPicture(data));
     if (mark === "RPL1") this.heard.layout(readLayout(data));
   }
 }
@@ -57,7 +58,28 @@ function readFrame(data) {
     count: points,
     points: new Uint16Array(data, HEAD, 4 * points),
     poses: new Float32Array(data, HEAD + 8 * points, 7 * objects),
+    ...readExtras(data, view, HEAD + 8 * points + 28 * objects),
   };
+}
+
+// Contacts (place and force), boxes (two corners) and lines (their points, one after another).
+function readExtras(data, view, start) {
+  const [pushes, boxes, lines, points] = [0, 4, 8, 12].map((k) => view.getUint32(start + k, true));
+  let at = start + 16;
+  const floats = (count) => {
+    at += 4 * count;
+    return new Float32Array(data, at - 4 * count, count);
+  };
+  const pushList = floats(6 * pushes);
+  const boxList = floats(6 * boxes);
+  const counts = new Uint32Array(data, at, lines);
+  at += 4 * lines;
+  return { pushes: pushList, boxes: boxList, lines: { counts, points: floats(3 * points) } };
+}
+
+function readPicture(data) {
+  const [number, done, samples] = new Uint32Array(data.slice(4, 16));
+  return { number, done, samples, png: new Blob([data.slice(16)], { type: "image/png" }) };
 }
 
 function readLayout(data) {
@@ -82,4 +104,15 @@ function readLayout(data) {
   layout.starts = new Uint32Array(strands);
   for (let k = 1; k < strands; k++) layout.starts[k] = layout.starts[k - 1] + layout.counts[k - 1];
   return layout;
+}
+
+// The strand of a point of the frame, and which of its points it is.
+export function address({ starts }, point) {
+  let [low, high] = [0, starts.length - 1];
+  while (low < high) {
+    const middle = (low + high + 1) >> 1;
+    if (starts[middle] <= point) low = middle;
+    else high = middle - 1;
+  }
+  return { strand: low, point: point - starts[low] };
 }

@@ -5,30 +5,37 @@ import { COLORS, UNITS, colorName, faster, fillChoices, makeKnobs, showValues, s
 import { showGallery } from "./gallery.js";
 import { Hand } from "./hand.js";
 import { listen } from "./keys.js";
-import { Link } from "./link.js";
+import { Link, address } from "./link.js";
+import { lookOf, showRuler } from "./look.js";
 import { Painter } from "./painter.js";
+import { pickObject } from "./pick.js";
 import { Plots } from "./plot.js";
-import { plots, rows } from "./readings.js";
+import { fillRows, plots } from "./readings.js";
+import { say, status } from "./say.js";
+import { PlainPainter, Traced } from "./traced.js";
 import { languageNow, quantity, setLanguage, word } from "./words.js";
 
 const $ = (id) => document.getElementById(id);
 const canvas = $("picture");
 const SIDES = ["front", "right", "back", "left", "top", "below"];
-const SUPPORT = [0.93, 0.35, 0.24];
+// Where a picture takes so long, ms, those that follow each other have half the points and no shadow
+// of the lamp, and after so long without another comes the whole one.
+const SLOW = 45;
+const CALM = 400;
 const SIDEWAYS = { azimuth: 0.35, elevation: 0.15 };
-const HELD = [0.1, 0.55, 0.95];
 
 // What may be read by tests too.
 const page = {
-  about: { kind: "none" }, state: {}, mine: false, frames: 0, lastDraw: 0, drawTime: 0,
+  about: { kind: "none" }, state: {}, mine: false, frames: 0, lastDraw: 0, cost: 0,
   camera: new Camera(), painter: null, tool: "view", isFit: false, stale: true,
 };
 window.rapunzel = page;
 
+page.traced = new Traced($("traced"), $("tracing"), (order) => link.send(order));
 try {
   page.painter = new Painter(canvas);
 } catch (error) {
-  say(word("noWebgl"), true);
+  page.painter = new PlainPainter(canvas, page.traced);
   console.warn(error.message);
 }
 
@@ -46,12 +53,12 @@ const link = new Link({
   },
   about: showAbout,
   layout(layout) {
-    page.painter?.setLayout(layout);
+    page.painter.setLayout(layout);
     page.layout = layout;
   },
   frame(frame) {
     page.frames++;
-    if (page.painter?.setFrame(frame)) {
+    if (page.painter.setFrame(frame)) {
       if (!page.isFit) fit();
       showLegend();
       redraw();
@@ -60,26 +67,17 @@ const link = new Link({
       link.send({ do: "drawn" });
     }
   },
+  picture: (picture) => page.traced.show(picture),
   state: showState,
-  complaint: (text) => say(text.message, true),
+  complaint(text) {
+    page.traced.fail();
+    say(text.message, true);
+  },
   saved(text) {
     page.saved = text;
     say(`${word("saved", text)}\n${word(text.exact ? "exact" : "bent")}`);
   },
 });
-
-function status(text, bad = false) {
-  $("status").textContent = text;
-  $("status").toggleAttribute("data-bad", bad);
-}
-
-function say(text, bad = false) {
-  $("message").hidden = !text;
-  $("message").textContent = text;
-  $("message").toggleAttribute("data-bad", bad);
-  clearTimeout(say.timer);
-  if (text && !bad) say.timer = setTimeout(() => say(""), 12000);
-}
 
 function showAbout(about) {
   const isOther = about.title !== page.about.title || about.kind !== page.about.kind;
@@ -93,13 +91,15 @@ function showAbout(about) {
     showGallery($("gallery"), about.scenes, (name) => link.send({ do: "open", name }));
   }
   if (about.kind === "building") {
-    status(word("building"));
+    const part = about.part ? `: ${word(`part_${about.part}`, about)}` : " …";
+    status(word("building") + part);
     return;
   }
   status(page.mine ? "" : word("watching"));
   const isLive = about.kind === "live";
   if (isOther) {
     page.isFit = false;
+    page.traced.end();
     say("");
     page.tool = about.can_hold ? "hand" : "view";
     // Springs hang in a plane, which is seen best from the front.
@@ -113,7 +113,11 @@ function showAbout(about) {
     !isLive && $("slider-box").hidden;
   $("mode").hidden = !about.has_modes;
   $("save").hidden = !isLive;
-  $("tool-hand").hidden = !about.can_pull;
+  $("over").hidden = !about.two;
+  $("trace").hidden = page.painter.isPlain || !["live", "recorded"].includes(about.kind);
+  $("contacts-box").hidden = !about.has_contacts && !about.has_pushes;
+  $("field-box").hidden = !about.has_charge;
+  $("tool-hand").hidden = !about.can_pull && !about.can_drag;
   $("tool-pin").hidden = !about.can_hold;
   $("tools").hidden = !isLive;
   $("notes-section").hidden = !about.notes?.length;
@@ -129,7 +133,7 @@ function showAbout(about) {
       `${line ? `${word("line", { line })}: ` : ""}${path ? `${path}: ` : ""}${message}`));
     say([word("cannot"), ...(problems.length ? problems : [about.message])].join("\n"), true);
   } else if (isOther && !about.warning) {
-    say("");
+    say(page.painter.isPlain && about.kind !== "gallery" ? word("noWebgl") : "");
   }
 }
 
@@ -148,15 +152,7 @@ function showState(state) {
     $("frame-text").textContent = `${state.frame + 1}/${state.frames}`;
     $("slider-box").hidden = state.frames < 2;
   }
-  $("readings").replaceChildren(...rows(page.state, page.painter?.frame).map(([name, value]) => {
-    const row = document.createElement("tr");
-    for (const text of [name, value]) {
-      const cell = document.createElement("td");
-      cell.textContent = text;
-      row.append(cell);
-    }
-    return row;
-  }));
+  fillRows($("readings"), page.state, page.painter.frame);
   if (page.about.kind === "live") {
     charts.push(page.state);
     showValues(state.values ?? {});
@@ -170,11 +166,12 @@ function showState(state) {
     say("");
   }
   page.failure = state.failure;
+  $("over").setAttribute("aria-pressed", String(Boolean(state.over)));
 }
 
 function showLegend() {
   const color = $("color").value;
-  const { low, high } = page.painter?.frame ?? { low: 0, high: 0 };
+  const { low, high } = page.painter.frame ?? { low: 0, high: 0 };
   $("legend").hidden = color === "own" || color === "fiber" || !page.state.colored;
   $("legend-title").textContent = colorName(color);
   $("legend-low").textContent = quantity(low, UNITS[color]);
@@ -188,21 +185,9 @@ function showTool() {
 }
 
 function setTool(tool) {
-  const may = { view: true, hand: page.about.can_pull, pin: page.about.can_hold };
+  const may = { view: true, hand: page.about.can_pull || page.about.can_drag, pin: page.about.can_hold };
   if (may[tool]) page.tool = tool;
   showTool();
-}
-
-// The strand of a point of the frame, and which of its points it is.
-function address(point) {
-  const { starts } = page.layout;
-  let [low, high] = [0, starts.length - 1];
-  while (low < high) {
-    const middle = (low + high + 1) >> 1;
-    if (starts[middle] <= point) low = middle;
-    else high = middle - 1;
-  }
-  return { strand: low, point: point - starts[low] };
 }
 
 const hand = new Hand(canvas, {
@@ -211,7 +196,13 @@ const hand = new Hand(canvas, {
   tool: (event) => (event.ctrlKey && page.tool === "view" ? "hand" : page.tool),
   turns: () => !hand.held || hand.keeps,
   take(point, to) {
-    link.send({ do: "take", ...address(point), to });
+    link.send({ do: "take", ...address(page.layout, point), to });
+    redraw();
+  },
+  findObject: (x, y) => (page.about.can_drag
+    ? pickObject(page.painter, page.camera, x, y, canvas.clientWidth, canvas.clientHeight) : null),
+  takeObject(object, at) {
+    link.send({ do: "take_object", object, at });
     redraw();
   },
   lead(to) {
@@ -229,7 +220,7 @@ const hand = new Hand(canvas, {
     for (let k = 0; k < supports.length; k += 2) {
       fixed ||= page.painter.place(supports[k]).join() === places;
     }
-    link.send({ do: "fix", ...address(point), fixed: !fixed });
+    link.send({ do: "fix", ...address(page.layout, point), fixed: !fixed });
   },
   hover: (near) => (canvas.style.cursor = near ? "grab" : "default"),
   fit: () => fit(),
@@ -238,7 +229,7 @@ const hand = new Hand(canvas, {
 page.hand = hand;
 
 function fit() {
-  if (!page.painter?.frame) return;
+  if (!page.painter.frame) return;
   const [low, high] = page.painter.box();
   if (typeof page.about.ground === "number") low[2] = Math.min(low[2], page.about.ground);
   page.camera.fit(low, high, canvas.clientWidth / canvas.clientHeight);
@@ -259,6 +250,11 @@ const dark = () => document.documentElement.dataset.theme === "dark";
 
 function draw(now) {
   requestAnimationFrame(draw);
+  // A picture that is not done yet keeps the next one waiting.
+  if (page.drewBefore) page.cost = 0.7 * page.cost + 0.3 * (now - page.lastDraw);
+  page.drewBefore = false;
+  const hurries = page.cost > SLOW;
+  if (page.wasHurried && now - page.lastDraw > CALM) redraw();
   if (page.lead) {
     link.send({ do: "move", to: page.lead });
     page.lead = null;
@@ -269,27 +265,14 @@ function draw(now) {
     [canvas.width, canvas.height] = [width, height];
     redraw();
   }
-  if (!page.stale || !page.painter || width === 0) return;
-  page.stale = false;
-  const by = $("color").value;
-  const held = hand.held ? [{ point: hand.held.point, to: hand.held.to }] : [];
-  page.painter.draw(page.camera, {
-    coloring: by === "own" || !page.state.colored ? 0 : by === "fiber" ? 2 : 1,
-    thickness: 10 ** Number($("thickness").value),
-    shadows: $("shadows").checked,
-    surfaces: $("surfaces").checked,
-    background: dark() ? [0.08, 0.094, 0.118] : [0.933, 0.941, 0.953],
-    object: dark() ? [0.5, 0.55, 0.62] : [0.66, 0.7, 0.76],
-    cloth: dark() ? [0.45, 0.58, 0.75] : [0.5, 0.62, 0.78],
-    fixed: SUPPORT,
-    held: HELD,
-    hands: held,
-    ground: page.about.ground ?? null,
-    grid: dark() ? [0.24, 0.28, 0.34] : [0.76, 0.79, 0.83],
-    density,
-  });
-  showRuler();
-  page.drawTime = now - page.lastDraw;
+  if (!page.stale || width === 0) return;
+  page.stale = page.painter.isPlain;
+  if (!page.painter.isPlain) page.traced.follow(page.camera);
+  page.wasHurried = hurries && now - page.lastDraw < CALM;
+  page.painter.draw(page.camera, { ...lookOf(page, hand.held, dark(), density), hurried: page.wasHurried });
+  showRuler(page.camera, canvas.clientHeight, quantity);
+  showForce();
+  page.drewBefore = true;
   page.lastDraw = now;
   page.drawn = (page.drawn ?? 0) + 1;
   if (page.unsent) {
@@ -298,13 +281,28 @@ function draw(now) {
   }
 }
 
-// A length of the picture: one, two or five times a power of ten.
-function showRuler() {
-  const pixel = page.camera.pixel(canvas.clientHeight);
-  const power = 10 ** Math.floor(Math.log10(110 * pixel));
-  const length = [5, 2, 1].map((k) => k * power).find((x) => x <= 110 * pixel) ?? power;
-  $("ruler").firstElementChild.style.width = `${length / pixel}px`;
-  $("ruler").lastElementChild.textContent = quantity(length, "m");
+// How large the force of the longest arrow is.
+function showForce() {
+  const most = page.painter.frame?.pushes.length > 0 ? page.painter.mostForce : 0;
+  $("force").hidden = !most;
+  if (most) $("force").textContent = word("longestArrow", { force: quantity(most, "N") });
+}
+
+function show() {
+  const level = $("volumes").value;
+  const isShown = (id) => $(id).checked && !$(`${id}-box`).hidden;
+  link.send({
+    do: "show", contacts: isShown("contacts"), field: isShown("field"),
+    volumes: level === "" ? null : Number(level),
+  });
+}
+
+const thickness = () => 10 ** Number($("thickness").value);
+
+function trace() {
+  if (page.painter.isPlain || !page.painter.frame) return;
+  if (page.traced.isOn) page.traced.end();
+  else page.traced.ask(page.camera, [canvas.clientWidth, canvas.clientHeight], thickness());
 }
 
 function setTheme(name) {
@@ -341,6 +339,8 @@ click("fit", fit);
 click("mode", mode);
 click("save", save);
 click("to-gallery", gallery);
+click("trace", trace);
+click("over", () => link.send({ do: "over", over: !page.state.over }));
 click("take-controls", () => link.send({ do: "control" }));
 click("fit-colors", () => link.send({ do: "fit_colors" }));
 click("panel-toggle", panel);
@@ -360,14 +360,19 @@ $("speed").addEventListener("change", (event) => link.send({ do: "speed", value:
 $("slider").addEventListener("input", (event) => link.send({ do: "seek", frame: Number(event.target.value) }));
 $("color").addEventListener("change", (event) => color(event.target.value));
 $("thickness").addEventListener("input", redraw);
-$("shadows").addEventListener("change", redraw);
-$("surfaces").addEventListener("change", redraw);
+for (const name of ["shadows", "surfaces"]) $(name).addEventListener("change", redraw);
+for (const name of ["contacts", "volumes", "field"]) $(name).addEventListener("change", show);
 click("message", () => say(""));
 
 listen({
   space: toggle, ".": () => link.send({ do: "step" }), r: () => link.send({ do: "restart" }), f: fit,
   v: () => setTool("view"), h: () => setTool("hand"), p: () => setTool("pin"),
-  k: () => hand.keep(), escape: () => hand.drop(), m: mode, s: save, g: gallery, b: panel,
+  k: () => hand.keep(), t: trace, o: () => $("over").hidden || $("over").click(),
+  escape() {
+    hand.drop();
+    page.traced.end();
+  },
+  m: mode, s: save, g: gallery, b: panel,
   "?": () => $("sheet").showModal(), "+": () => faster(1), "-": () => faster(-1),
   c() {
     $("color").selectedIndex = ($("color").selectedIndex + 1) % $("color").length;

@@ -1,15 +1,18 @@
 // Draws a frame with WebGL2.
 
+import { build } from "./gl.js";
 import { shaded } from "./mesh.js";
 import { add, multiply, norm, orthographic, pose, scale, sub, unit, view } from "./matrix.js";
+import { Occlusion } from "./occlusion.js";
+import { drawOverlays } from "./overlays.js";
 import { programs } from "./shaders.js";
 
 const SHADOW = 1024;
 // Texels in a row of a texture with one for each point.
 const ROW = 2048;
 // Where textures are bound, and the names by which shaders know them.
-const [POINTS, COLORS, RADII] = [1, 2, 3];
-const UNITS = { uShadow: 0, uPoints: POINTS, uColors: COLORS, uRadii: RADII };
+const [POINTS, COLORS, RADII, DENSITY] = [1, 2, 3, 4];
+const UNITS = { uShadow: 0, uPoints: POINTS, uColors: COLORS, uRadii: RADII, uDensity: DENSITY };
 // More held roots of fibres than these are not marked.
 const MOST_ROOTS = 30;
 
@@ -27,9 +30,11 @@ export class Painter {
     this.marking = gl.createVertexArray();
     // What is drawn from textures has indices and no attributes.
     this.ribbons = this.makeIndices();
+    this.coarse = this.makeIndices();
     this.lines = this.makeIndices();
     this.cloth = this.makeIndices();
     this.objects = [];
+    this.occlusion = new Occlusion(gl, DENSITY);
     this.makeShadow();
     gl.bindVertexArray(this.marking);
     gl.bindBuffer(gl.ARRAY_BUFFER, this.marks);
@@ -114,25 +119,32 @@ export class Painter {
   setLayout(layout) {
     const gl = this.gl;
     this.layout = layout;
+    this.mostForce = 0;
     this.frame = null;
     const { count, counts, radii, triangles } = layout;
     const colors = new Uint8Array(4 * count);
     const ribbons = new Uint32Array(2 * count + counts.length);
+    const coarse = new Uint32Array(ribbons.length);
     const lines = new Uint32Array(count + counts.length);
-    let [point, ribbon, line] = [0, 0, 0];
+    let [point, ribbon, few, line] = [0, 0, 0, 0];
     counts.forEach((own, strand) => {
       for (let k = 0; k < own; k++, point++) {
         for (let c = 0; c < 3; c++) colors[4 * point + c] = layout.colors[4 * strand + c];
         colors[4 * point + 3] = (k === 0 ? 1 : 0) + (k === own - 1 ? 2 : 0);
         ribbons[ribbon++] = 2 * point;
         ribbons[ribbon++] = 2 * point + 1;
-        // A shadow needs not every point of a hair.
-        if (layout.springs || k % 2 === 0 || k === own - 1) lines[line++] = point;
+        // A shadow needs not every point of a hair, and a hurried picture neither.
+        if (layout.springs || k % 2 === 0 || k === own - 1) {
+          lines[line++] = point;
+          coarse[few++] = 2 * point;
+          coarse[few++] = 2 * point + 1;
+        }
       }
       // The largest number begins anew.
-      ribbons[ribbon++] = lines[line++] = 0xffffffff;
+      ribbons[ribbon++] = coarse[few++] = lines[line++] = 0xffffffff;
     });
     this.fillIndices(this.ribbons, ribbons);
+    this.fillIndices(this.coarse, coarse.subarray(0, few));
     this.fillIndices(this.lines, lines.subarray(0, line));
     this.fillIndices(this.cloth, triangles);
     this.makeTexture(POINTS, gl.RGBA16UI);
@@ -171,6 +183,7 @@ export class Painter {
       }
     }
     this.fillTexture(POINTS, [gl.RGBA_INTEGER, gl.UNSIGNED_SHORT], frame.points, 4);
+    this.occlusion.isOld = true;
     return true;
   }
 
@@ -220,7 +233,9 @@ export class Painter {
     const seen = camera.matrices(width / height);
     const { right, up, back } = seen.axes;
     const toLight = unit(add(add(scale(right, -0.55), scale(up, 0.9)), scale(back, 0.75)));
-    const shadow = look.shadows ? this.drawShadow(camera, toLight) : null;
+    const shadow = look.shadows && !look.hurried ? this.drawShadow(camera, toLight) : null;
+    const occluded = look.shadows && !this.layout.springs;
+    if (occluded) this.occlusion.fill(this.layout, this.frame, this.most, look.thickness);
     const common = {
       uClip: seen.clip,
       uEye: seen.eye,
@@ -229,6 +244,7 @@ export class Painter {
       uUnit: this.frame.unit,
       uShadowClip: shadow?.clip ?? seen.clip,
       uShadowLook: shadow?.look ?? [0, 1, 1],
+      ...this.occlusion.uniforms(occluded, camera.target),
       uColoring: look.coloring,
       uRange: [this.frame.low, this.frame.high],
     };
@@ -244,8 +260,9 @@ export class Painter {
       uThinnest: 0.55 * look.density,
       uRoundness: this.layout.springs ? 0.9 : 0.35,
     });
-    this.drawIndices(gl.TRIANGLE_STRIP, this.ribbons);
+    this.drawIndices(gl.TRIANGLE_STRIP, look.hurried ? this.coarse : this.ribbons);
     if (look.surfaces && this.layout.triangles.length > 0) this.drawCloth(common, look.cloth);
+    drawOverlays(this, common, camera.target, look);
     this.drawMarks(common, camera.target, look);
   }
 
@@ -282,19 +299,24 @@ export class Painter {
     const few = springs || supports.length < 2 * MOST_ROOTS;
     for (let k = 0; few && k < supports.length; k += 2) put(dots, this.place(supports[k]), look.fixed);
     for (const { point, to } of look.hands) {
-      const place = this.place(point);
+      const place = point === undefined ? to : this.place(point);
       put(dots, place, look.held);
       if (to) [place, to].forEach((end) => put(lines, end, look.held));
     }
     if (look.ground !== null) this.grid(look.ground, (end) => put(lines, end, look.grid));
-    this.use("mark", { uClip: common.uClip, uSize: (springs ? 11 : 7) * look.density });
+    this.drawList(common, lines, gl.LINES, 1);
+    this.drawList(common, dots, gl.POINTS, (springs ? 11 : 7) * look.density);
+  }
+
+  // Dots or lines: place and color, seven numbers for each.
+  drawList(common, list, mode, size) {
+    const gl = this.gl;
+    if (list.length === 0) return;
+    this.use("mark", { uClip: common.uClip, uSize: size, uRound: mode === gl.POINTS ? 1 : 0 });
     gl.bindVertexArray(this.marking);
-    for (const [list, mode] of [[lines, gl.LINES], [dots, gl.POINTS]]) {
-      this.put("mark", "uRound", mode === gl.POINTS ? 1 : 0);
-      gl.bindBuffer(gl.ARRAY_BUFFER, this.marks);
-      gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(list), gl.STREAM_DRAW);
-      gl.drawArrays(mode, 0, list.length / 7);
-    }
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.marks);
+    gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(list), gl.STREAM_DRAW);
+    gl.drawArrays(mode, 0, list.length / 7);
     gl.bindVertexArray(null);
   }
 
@@ -367,28 +389,3 @@ function corners8(places) {
   const corner = (bits) => [0, 1, 2].map((axis) => ((bits >> axis) & 1 ? high : low)[axis]);
   return [0, 1, 2, 3, 4, 5, 6, 7].map(corner);
 }
-
-function build(gl, code) {
-  const program = gl.createProgram();
-  for (const [kind, text] of [[gl.VERTEX_SHADER, code.vertex], [gl.FRAGMENT_SHADER, code.fragment]]) {
-    const shader = gl.createShader(kind);
-    gl.shaderSource(shader, text);
-    gl.compileShader(shader);
-    if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) {
-      throw new Error(gl.getShaderInfoLog(shader) || "a shader is not understood");
-    }
-    gl.attachShader(program, shader);
-  }
-  gl.linkProgram(program);
-  if (!gl.getProgramParameter(program, gl.LINK_STATUS)) {
-    throw new Error(gl.getProgramInfoLog(program) || "a program is not understood");
-  }
-  const uniforms = {};
-  const count = gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS);
-  for (let k = 0; k < count; k++) {
-    const { name, type } = gl.getActiveUniform(program, k);
-    uniforms[name] = { at: gl.getUniformLocation(program, name), type };
-  }
-  return { program, uniforms };
-}
-

@@ -2,11 +2,25 @@
 
 import { quantity, word } from "./words.js";
 
-export function rows(state, frame) {
+// Fills a table with the numbers of a state.
+export function fillRows(body, state, frame) {
+  body.replaceChildren(...rows(state, frame).map(([name, value]) => {
+    const row = document.createElement("tr");
+    for (const text of [name, value]) {
+      const cell = document.createElement("td");
+      cell.textContent = text;
+      row.append(cell);
+    }
+    return row;
+  }));
+}
+
+function rows(state, frame) {
   const seconds = (x) => quantity(x, "s");
   const list = [
     [word("time"), seconds(state.time)],
     [word("steps"), state.steps],
+    [word("second"), state.second !== null && state.second !== undefined && seconds(state.second)],
     [word("frame"), state.frame !== undefined && `${state.frame + 1} / ${state.frames}`],
     [word("dt"), state.dt && seconds(state.dt)],
     [word("measured"), state.measured && `${quantity(state.measured)} ×`],

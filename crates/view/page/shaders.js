@@ -46,6 +46,18 @@ float lit(vec3 place) {
 }
 `;
 
+// Light from all around, as far as hair lets it through.
+const OPEN = `
+uniform highp sampler3D uDensity;
+uniform vec3 uDensityLow;
+uniform float uDensityCell, uDensitySide;
+float open(vec3 place) {
+  if (uDensityCell == 0.) return 1.;
+  vec3 at = (place - uDensityLow) / (uDensityCell * uDensitySide);
+  return mix(.12, 1., textureLod(uDensity, at, 0.).r);
+}
+`;
+
 // Points lie in textures, so that every vertex can look at its neighbors.
 const PLACES = `
 uniform highp usampler2D uPoints; // place in units, and value
@@ -71,7 +83,8 @@ vec3 shade(vec3 place, vec3 t, vec3 n, vec3 own) {
   float glow = pow(max(0., sqrt(max(0., 1. - shift * shift))), 24.);
   float shadow = lit(place);
   float gloss = uColoring == 0 ? 1. : .35;
-  vec3 sum = color * (.30 + .85 * diffuse * shadow)
+  float around = open(place);
+  vec3 sum = color * (.34 * around + .85 * diffuse * shadow * mix(.55, 1., around))
     + shadow * gloss * (.07 * shine * vec3(1.) + .9 * glow * color);
   return sqrt(sum);
 }
@@ -116,7 +129,7 @@ void main() {
   vPlace = v.place; vTangent = v.tangent; vSide = v.side; vColor = v.color;
   vAcross = v.across; vValue = v.value;
 }`,
-  fragment: `${HEAD}${COLORS}${LIGHT}${SHADE}
+  fragment: `${HEAD}${COLORS}${LIGHT}${OPEN}${SHADE}
 in vec3 vPlace, vTangent, vSide, vColor;
 in float vAcross, vValue;
 out vec4 oColor;
@@ -130,7 +143,7 @@ void main() {
 
 // Hair is about a pixel wide, and lit at its points.
 const hair = {
-  vertex: `${HEAD}${COLORS}${LIGHT}${SHADE}${RIBBON}
+  vertex: `${HEAD}${COLORS}${LIGHT}${OPEN}${SHADE}${RIBBON}
 out vec3 vColor;
 void main() {
   Vertex v = ribbon(uEye);
@@ -195,6 +208,24 @@ void main() {
 }`,
 };
 
+// Edges of boxes between two corners.
+const box = {
+  vertex: `${HEAD}
+layout(location = 0) in vec3 aLow;
+layout(location = 1) in vec3 aHigh;
+uniform mat4 uClip;
+uniform vec3 uFrom;
+void main() {
+  int edge = gl_VertexID >> 1, axis = edge >> 2, k = edge & 3;
+  bvec3 up;
+  up[axis] = (gl_VertexID & 1) == 1;
+  up[(axis + 1) % 3] = (k & 1) == 1;
+  up[(axis + 2) % 3] = (k & 2) == 2;
+  gl_Position = uClip * vec4(mix(aLow, aHigh, vec3(up)) - uFrom, 1.);
+}`,
+  fragment: `${HEAD}uniform vec3 uOwn; out vec4 oColor; void main() { oColor = vec4(uOwn, .55); }`,
+};
+
 const mark = {
   vertex: `${HEAD}
 layout(location = 0) in vec3 aPlace;
@@ -219,4 +250,4 @@ void main() {
 }`,
 };
 
-export const programs = { fiber, fiberShadow, hair, mesh, cloth, mark };
+export const programs = { box, fiber, fiberShadow, hair, mesh, cloth, mark };

@@ -1,15 +1,20 @@
 //! The thread that moves what is shown, and does what pages ask for between steps.
 
+use crate::darkroom::{Darkroom, Sitting};
+use crate::extras::Shows;
 use crate::frame::Colors;
-use crate::hub::{Event, Hub};
+use crate::hub::{Event, Hub, PageId};
 use crate::live::Live;
 use crate::options::Options;
-use crate::order::Order;
 use crate::stage::Showing;
+use crate::state;
 use crate::watch::Watch;
-use crate::{modes, state};
-use rapunzel_sim::SimError;
+use crate::wish::PictureWish;
+use rapunzel_sim::style::GrowthStage;
+use rapunzel_sim::{BuildStage, ShownStage, SimError};
+use rapunzel_studio::{ColorRange, StageOptions};
 use serde_json::json;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::{Duration, Instant};
@@ -20,19 +25,20 @@ const FRAME: Duration = Duration::from_millis(16);
 const STATE: Duration = Duration::from_millis(100);
 /// How long nothing is waited for at most.
 const IDLE: Duration = Duration::from_millis(100);
-/// Slowest and fastest speed.
-const SPEEDS: (f64, f64) = (1e-4, 100.0);
 
 /// What moves what is shown.
 pub(crate) struct Driver {
-    options: Options,
-    hub: Arc<Hub>,
+    pub(crate) options: Options,
+    pub(crate) hub: Arc<Hub>,
     events: Receiver<Event>,
-    stage: Showing,
+    pub(crate) stage: Showing,
     /// Name of the scene of the gallery that is shown.
-    name: String,
-    watch: Option<Watch>,
-    colors: Colors,
+    pub(crate) name: String,
+    pub(crate) watch: Option<Watch>,
+    pub(crate) colors: Colors,
+    pub(crate) shows: Shows,
+    /// What draws pictures, once one was wished for.
+    darkroom: Option<Darkroom>,
     /// Number of the layout.
     layout: u32,
     /// Whether something has changed since the last frame, and since the last state.
@@ -40,7 +46,7 @@ pub(crate) struct Driver {
     framed: Instant,
     told: Instant,
     /// Values of sliders that are to be set.
-    values: Vec<(String, f64)>,
+    pub(crate) values: Vec<(String, f64)>,
 }
 
 impl Driver {
@@ -54,6 +60,8 @@ impl Driver {
             name: String::new(),
             watch: None,
             colors: Colors::default(),
+            shows: Shows::default(),
+            darkroom: None,
             layout: 0,
             is_new: [true; 2],
             framed: now,
@@ -63,7 +71,10 @@ impl Driver {
     }
 
     /// Goes on until the server ends.
-    pub(crate) fn run(mut self) {
+    ///
+    /// Gives the file of the scene that was left in the midst, if one was: beside it is where it
+    /// stood.
+    pub(crate) fn run(mut self) -> Option<PathBuf> {
         self.open();
         if self.options.runs {
             self.go();
@@ -73,15 +84,23 @@ impl Driver {
             self.advance();
             self.publish();
         }
+        let (folder, stem) = self.place();
+        match &mut self.stage {
+            Showing::Live(live) if live.world.steps() > 0 && live.failure.is_none() => {
+                let kept = live.keep(&folder, &stem);
+                kept.map_err(|error| tracing::error!(%error, "where it stood is not kept")).ok()
+            }
+            _ => None,
+        }
     }
 
     /// Opens what the options name.
     fn open(&mut self) {
         self.name.clear();
         if let Some(path) = &self.options.what {
-            self.hub.show(&json!({ "is": "about", "kind": "building" }).to_string(), None);
+            let tell = teller(Arc::clone(&self.hub));
             self.watch = path.is_file().then(|| Watch::new(path));
-            self.stage = Showing::open(path);
+            self.stage = Showing::open(path, self.options.beside.as_deref(), &tell);
         } else {
             self.stage = Showing::Gallery;
         }
@@ -89,27 +108,28 @@ impl Driver {
     }
 
     /// Opens a scene of the gallery.
-    fn open_named(&mut self, name: &str) {
+    pub(crate) fn open_named(&mut self, name: &str) {
         let Some(scene) = self.options.gallery.iter().find(|scene| scene.name == name) else {
             return;
         };
         let Some(scene) = scene.scene() else { return };
-        self.hub.show(&json!({ "is": "about", "kind": "building" }).to_string(), None);
+        let tell = teller(Arc::clone(&self.hub));
         self.watch = None;
-        self.stage = Showing::build(scene, &self.options.folder);
+        let tell = |stage| tell(ShownStage::Building(stage));
+        self.stage = Showing::build(scene, &self.options.folder, &tell);
         name.clone_into(&mut self.name);
         self.show();
     }
 
     /// Shows what is on the stage from its beginning.
-    fn show(&mut self) {
+    pub(crate) fn show(&mut self) {
         self.colors.range = None;
         self.values.clear();
         self.relay();
     }
 
     /// Tells pages what is shown, and all of it that does not change from frame to frame.
-    fn relay(&mut self) {
+    pub(crate) fn relay(&mut self) {
         self.layout += 1;
         let about = state::about(&self.stage, &self.title(), &self.options.gallery, &self.name);
         self.hub.show(&about, self.stage.layout(self.layout));
@@ -132,6 +152,7 @@ impl Driver {
             match self.events.recv_timeout(wait) {
                 Ok(Event::End) | Err(RecvTimeoutError::Disconnected) => return false,
                 Ok(Event::Pages) => self.is_new[1] = true,
+                Ok(Event::Picture(page, wish)) => self.draw(page, wish),
                 Ok(Event::Order(order)) => {
                     self.is_new = [true; 2];
                     if let Err(error) = self.obey(order) {
@@ -167,135 +188,33 @@ impl Driver {
         wait.unwrap_or(frame).min(frame)
     }
 
-    fn complain(&self, error: &SimError) {
+    /// Draws a picture of what is shown now for a page, or no more.
+    fn draw(&mut self, page: PageId, wish: Option<PictureWish>) {
+        let Some(wish) = wish else {
+            self.darkroom.iter().for_each(|darkroom| darkroom.end(page));
+            return;
+        };
+        if self.darkroom.is_none() {
+            self.darkroom = Darkroom::start(Arc::clone(&self.hub));
+        }
+        let picture = self.stage.picture();
+        if let (Some(darkroom), Some((frame, objects, ratio))) = (&self.darkroom, picture) {
+            let coloring = self.colors.by.map(|by| {
+                let range = self.colors.range;
+                (by, range.unwrap_or_else(|| ColorRange::of(by.values(&frame))))
+            });
+            let radius = frame.strands.first().and_then(|strand| strand.radii.first());
+            let thickness = wish.thickness(radius.copied().unwrap_or(1.0));
+            let ground = !wish.plain;
+            let options =
+                StageOptions { ratio, coloring, thickness, ground, ..StageOptions::default() };
+            darkroom.draw(Sitting { page, wish, frame, objects, options });
+        }
+    }
+
+    pub(crate) fn complain(&self, error: &SimError) {
         let note = json!({ "is": "complaint", "message": error.to_string() });
         self.hub.note(&note.to_string());
-    }
-
-    fn obey(&mut self, order: Order) -> Result<(), SimError> {
-        match order {
-            Order::Drawn | Order::Control => {}
-            Order::Run => self.go(),
-            Order::Pause => self.halt(),
-            Order::Step => {
-                self.halt();
-                match &mut self.stage {
-                    Showing::Live(live) => live.step(),
-                    Showing::Recorded(recorded) => {
-                        recorded.advance()?;
-                    }
-                    Showing::Gallery | Showing::Broken(_) => {}
-                }
-            }
-            Order::Restart => {
-                self.colors.range = None;
-                match &mut self.stage {
-                    Showing::Live(live) => live.restart()?,
-                    Showing::Recorded(recorded) => recorded.seek(0)?,
-                    Showing::Gallery | Showing::Broken(_) => {}
-                }
-                self.relay();
-            }
-            Order::Speed { value } => {
-                let (value, now) = (value.clamp(SPEEDS.0, SPEEDS.1), Instant::now());
-                match &mut self.stage {
-                    Showing::Live(live) => live.pace.set_speed(value, now, live.world.time()),
-                    Showing::Recorded(recorded) => {
-                        recorded.pace.set_speed(value, now, recorded.now.frame.time);
-                    }
-                    Showing::Gallery | Showing::Broken(_) => {}
-                }
-            }
-            Order::Color { by } => {
-                self.colors.by = by.and_then(|name| name.parse().ok());
-                self.colors.range = None;
-            }
-            Order::FitColors => self.colors.range = None,
-            Order::Open { name } => self.open_named(&name),
-            Order::Gallery => {
-                (self.stage, self.watch) = (Showing::Gallery, None);
-                self.name.clear();
-                self.show();
-            }
-            Order::Mode => {
-                let next = modes::next(&self.options.gallery, &self.name);
-                if let Some(name) = next.map(|scene| scene.name.clone()) {
-                    let runs = matches!(&self.stage, Showing::Live(live) if live.pace.runs());
-                    self.open_named(&name);
-                    if runs {
-                        self.go();
-                    }
-                }
-            }
-            Order::Seek { frame } => {
-                if let Showing::Recorded(recorded) = &mut self.stage {
-                    recorded.seek(frame)?;
-                    recorded.pace.reset(Instant::now(), recorded.now.frame.time);
-                }
-            }
-            Order::Set { knob, value } => {
-                // Of many values of one slider the last counts.
-                self.values.retain(|(name, _)| *name != knob);
-                self.values.push((knob, value));
-            }
-            order => self.lay_hands(order)?,
-        }
-        Ok(())
-    }
-
-    /// What hands do to a scene.
-    fn lay_hands(&mut self, order: Order) -> Result<(), SimError> {
-        let Showing::Live(live) = &mut self.stage else { return Ok(()) };
-        match order {
-            Order::Take { strand, point, to } => live.take((strand, point), to),
-            Order::Move { to } => {
-                if let Some(hand) = &mut live.hand {
-                    hand.lead(to);
-                }
-                Ok(())
-            }
-            Order::Drop => live.let_go(),
-            Order::Fix { strand, point, fixed } => {
-                live.fix((strand, point), fixed)?;
-                self.relay();
-                Ok(())
-            }
-            Order::Save => self.save(),
-            _ => Ok(()),
-        }
-    }
-
-    fn save(&mut self) -> Result<(), SimError> {
-        let Showing::Live(live) = &mut self.stage else { return Ok(()) };
-        let path = self.options.what.as_ref().filter(|_| self.name.is_empty());
-        let (folder, stem) =
-            (path.and_then(|path| path.parent()), path.and_then(|p| p.file_stem()));
-        let own = self.name.rsplit('/').next().unwrap_or_default();
-        let stem = stem.map_or(own.to_owned(), |stem| stem.to_string_lossy().into_owned());
-        let folder = folder.unwrap_or(&self.options.folder);
-        let (path, exact) = live.save(folder, &stem)?;
-        let note = json!({ "is": "saved", "file": path.display().to_string(), "exact": exact });
-        self.hub.note(&note.to_string());
-        Ok(())
-    }
-
-    fn go(&mut self) {
-        let now = Instant::now();
-        match &mut self.stage {
-            Showing::Live(live) if live.failure.is_none() => {
-                live.pace.start(now, live.world.time());
-            }
-            Showing::Recorded(recorded) => recorded.pace.start(now, recorded.now.frame.time),
-            _ => {}
-        }
-    }
-
-    fn halt(&mut self) {
-        match &mut self.stage {
-            Showing::Live(live) => live.pace.stop(),
-            Showing::Recorded(recorded) => recorded.pace.stop(),
-            Showing::Gallery | Showing::Broken(_) => {}
-        }
     }
 
     /// Looks whether files have changed.
@@ -341,7 +260,7 @@ impl Driver {
     fn publish(&mut self) {
         let now = Instant::now();
         if self.is_new[0] && now - self.framed >= FRAME && self.hub.wants_frame() {
-            if let Some(frame) = self.stage.frame(self.layout, &mut self.colors) {
+            if let Some(frame) = self.stage.frame(self.layout, &mut self.colors, self.shows) {
                 self.hub.publish_frame(frame);
             }
             self.is_new[0] = false;
@@ -354,6 +273,35 @@ impl Driver {
             self.is_new[1] = false;
             self.told = now;
         }
+    }
+}
+
+/// Tells pages that something is built, and from part to part what.
+fn teller(hub: Arc<Hub>) -> impl Fn(ShownStage) {
+    let tell = move |mut about: serde_json::Value| {
+        about["is"] = "about".into();
+        about["kind"] = "building".into();
+        hub.show(&about.to_string(), None);
+    };
+    tell(json!({}));
+    let grows = |stage: GrowthStage| match stage {
+        GrowthStage::Surfaces => "surfaces",
+        GrowthStage::Pores => "pores",
+        GrowthStage::PreGuides => "pre_guides",
+        GrowthStage::Guides => "guides",
+        GrowthStage::Hairs => "hairs",
+    };
+    move |stage| {
+        tell(match stage {
+            ShownStage::Growing(stage)
+            | ShownStage::Building(BuildStage::Growing { stage, .. }) => {
+                json!({ "part": grows(stage) })
+            }
+            ShownStage::Building(BuildStage::MovingApart) => json!({ "part": "moving_apart" }),
+            ShownStage::Building(BuildStage::Settling { done, most }) => {
+                json!({ "part": "settling", "done": done, "most": most })
+            }
+        });
     }
 }
 

@@ -32,7 +32,8 @@ pub(crate) struct FrameHead {
 
 /// The bytes of a frame, little-endian: mark, layout (u32), number (u64), time (f64), origin
 /// (3 f64), unit (f64), lowest and highest value (2 f64), number of points and of objects (2 u32);
-/// then x, y, z and value of every point (4 u16), and place and quaternion of every object (7 f32).
+/// then x, y, z and value of every point (4 u16), place and quaternion of every object (7 f32), and
+/// the extras.
 ///
 /// A position is the origin and the unit times its numbers, so that it is off by half a unit at
 /// most along each axis.

@@ -2,6 +2,7 @@
 
 use crate::mailbox::Mailbox;
 use crate::order::Order;
+use crate::wish::PictureWish;
 use std::collections::BTreeMap;
 use std::sync::mpsc::SyncSender;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -16,6 +17,8 @@ pub(crate) enum Event {
     Pages,
     /// It asks for something, and is at the controls.
     Order(Order),
+    /// It wishes for a picture, or for no more of one.
+    Picture(PageId, Option<PictureWish>),
     /// The server ends.
     End,
 }
@@ -104,6 +107,15 @@ impl Hub {
                 pages.controls = Some(page);
                 pages.tell_who_controls();
             }
+            // Whoever only looks may look at it so.
+            Order::Picture(wish) => {
+                drop(pages);
+                self.tell(Event::Picture(page, Some(wish)));
+            }
+            Order::EndPicture => {
+                drop(pages);
+                self.tell(Event::Picture(page, None));
+            }
             order => {
                 let may = pages.controls == Some(page);
                 drop(pages);
@@ -167,6 +179,21 @@ impl Hub {
     pub(crate) fn note(&self, note: &str) {
         let note: Arc<str> = note.into();
         self.pages().mailboxes.values().for_each(|mailbox| mailbox.put_note(&note));
+    }
+
+    /// Tells a page something once.
+    pub(crate) fn note_to(&self, page: PageId, note: &str) {
+        if let Some(mailbox) = self.pages().mailboxes.get(&page) {
+            mailbox.put_note(&note.into());
+        }
+    }
+
+    /// Gives a picture to a page; false if it has gone.
+    pub(crate) fn send_picture(&self, page: PageId, picture: Vec<u8>) -> bool {
+        let pages = self.pages();
+        let mailbox = pages.mailboxes.get(&page);
+        mailbox.iter().for_each(|mailbox| mailbox.put_picture(picture.clone()));
+        mailbox.is_some()
     }
 
     /// Sends all pages away, and whoever listens too.

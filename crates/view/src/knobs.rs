@@ -1,6 +1,6 @@
 //! What of a scene can be changed by sliders.
 
-use rapunzel_scene::{FrictionLaw, Model, Scene, Wind};
+use rapunzel_scene::{Amount, Bundle, FrictionLaw, Model, Scene, Wind};
 
 /// A number of a scene that can be changed while it runs.
 pub(crate) struct Knob {
@@ -185,6 +185,29 @@ pub(crate) const KNOBS: &[Knob] = &[
         },
     },
     Knob {
+        name: "fiber_charge",
+        unit: "C",
+        low: 1e-14,
+        high: 1e-8,
+        by_factors: true,
+        read: |scene| {
+            scene.charging.as_ref()?;
+            let charge = charge_of_a_fiber(scene.fibers.first()?).abs();
+            (charge > 0.0).then_some(charge)
+        },
+        write: |scene, x| {
+            let Some(before) = scene.fibers.first().map(charge_of_a_fiber) else { return };
+            let factor = x / before.abs();
+            scene.fibers.iter_mut().for_each(|bundle| scale(&mut bundle.charge.amount, factor));
+            if let Some(Amount::Fiber(charge)) =
+                scene.fibers.first_mut().map(|b| &mut b.charge.amount)
+            {
+                // Without the rounding of the factor.
+                *charge = x.copysign(before);
+            }
+        },
+    },
+    Knob {
         name: "humidity",
         unit: "",
         low: 0.0,
@@ -211,6 +234,27 @@ pub(crate) const KNOBS: &[Knob] = &[
         write: |scene, x| scene.environment.climate.temperature = x,
     },
 ];
+
+/// Charge of the first fibre of a bundle, C.
+fn charge_of_a_fiber(bundle: &Bundle) -> f64 {
+    match bundle.charge.amount {
+        Amount::Fiber(charge) => charge,
+        _ => {
+            let fibers = bundle.arrangement.fibers();
+            bundle.charge.of_segments(0, fibers, bundle.length, bundle.segments).iter().sum()
+        }
+    }
+}
+
+fn scale(amount: &mut Amount, factor: f64) {
+    match amount {
+        Amount::Fibers(charges) => charges.iter_mut().for_each(|charge| *charge *= factor),
+        Amount::Fiber(x)
+        | Amount::Bundle(x)
+        | Amount::CoulombPerMeter(x)
+        | Amount::StatcoulombPerCentimeter(x) => *x *= factor,
+    }
+}
 
 /// A slider of a component of the wind.
 const fn wind_knob(
@@ -279,14 +323,21 @@ mod tests {
             )],
             contact: (friction: Isotropic(0.3)), environment: (viscosity: 1.8e-5)",
         );
+        let charged = scene(
+            "fibers: [(
+                length: 0.1, segments: 10, material: Keratin(type: \"West European\"),
+                charge: (amount: Fiber(-1e-11)),
+            )],
+            charging: (dealing: Falling(3))",
+        );
         let mut seen = 0;
-        for mut scene in [rope(), hair] {
+        for mut scene in [rope(), hair, charged] {
             for knob in KNOBS {
                 if (knob.read)(&scene).is_none() {
                     continue;
                 }
-                let middle = (0.5 * (knob.low + knob.high)).round().max(knob.low);
-                let middle = middle.min(knob.high);
+                let middle = 0.5 * (knob.low + knob.high);
+                let middle = if middle > 1.0 { middle.round() } else { middle };
                 knob.set(&mut scene, middle);
                 assert_eq!((knob.read)(&scene), Some(middle), "{}", knob.name);
                 knob.set(&mut scene, 1e6);
@@ -294,7 +345,24 @@ mod tests {
                 seen += 1;
             }
         }
-        assert!(seen >= 14, "{seen}");
+        assert!(seen >= 18, "{seen}");
+    }
+
+    #[test]
+    fn the_charge_of_all_bundles_goes_by_one_slider_and_keeps_its_sign() {
+        let bundle = |amount: &str| {
+            format!(
+                "(length: 0.1, segments: 10, charge: (amount: {amount}), section: Circle(radius: 3e-5))"
+            )
+        };
+        let bundles = ["CoulombPerMeter(-1e-10)", "Bundle(4e-11)"].map(bundle).join(",");
+        let mut scene = scene(&format!("fibers: [{bundles}], charging: (dealing: Falling(3))"));
+        let knob = Knob::of(&scene, "fiber_charge").expect("a slider");
+        let before = (knob.read)(&scene).expect("a charge");
+        assert!((before - 1e-11).abs() < 1e-24, "{before}");
+        knob.set(&mut scene, 3e-11);
+        let after: Vec<_> = scene.fibers.iter().map(charge_of_a_fiber).collect();
+        assert!((after[0] + 3e-11).abs() < 1e-24 && (after[1] - 12e-11).abs() < 1e-23, "{after:?}");
     }
 
     #[test]

@@ -10,6 +10,8 @@ use rapunzel_studio::sheet::Support;
 const MARK: &[u8; 4] = b"RPL1";
 /// Color of strands that no prim has: a brown hair, linear.
 const HAIR: [f64; 3] = [0.25, 0.13, 0.06];
+/// Color of the strands of the second of two runs: a blue that no hair has, linear.
+const SECOND: [f64; 3] = [0.05, 0.16, 0.42];
 
 /// What a layout is made of.
 pub(crate) struct Parts<'a> {
@@ -20,6 +22,8 @@ pub(crate) struct Parts<'a> {
     pub(crate) objects: &'a [Placed],
     /// Whether the strands are springs, which one sees from close by, and not hair.
     pub(crate) springs: bool,
+    /// Strands of the first of two runs that are shown together.
+    pub(crate) first_of_two: Option<usize>,
 }
 
 /// The bytes of a layout, little-endian: mark, number (u32), whether the strands are springs (u32),
@@ -29,7 +33,7 @@ pub(crate) struct Parts<'a> {
 /// of each object numbers of vertices and triangles (2 u32), vertices in its own frame (3 f32) and
 /// corners (3 u32).
 pub(crate) fn layout(parts: &Parts) -> Vec<u8> {
-    let Parts { number, strands, prims, supports, objects, springs } = parts;
+    let Parts { number, strands, prims, supports, objects, springs, first_of_two } = parts;
     let starts: Vec<usize> = strands
         .iter()
         .scan(0, |end, strand| {
@@ -51,7 +55,9 @@ pub(crate) fn layout(parts: &Parts) -> Vec<u8> {
     }
     strands.iter().for_each(|strand| put(count(strand.points.len())));
     for index in 0..strands.len() {
-        put(u32::from_le_bytes(color(prims, index)));
+        let is_second = first_of_two.is_some_and(|first| index >= first);
+        let linear = if is_second { SECOND } else { color(prims, index) };
+        put(u32::from_le_bytes(seen(linear)));
     }
     for radius in strands.iter().flat_map(|strand| &strand.radii) {
         put(single(*radius).to_bits());
@@ -89,13 +95,17 @@ fn triangles(prims: &[Prim]) -> Vec<[[usize; 2]; 3]> {
     prims.iter().flat_map(of).collect()
 }
 
-/// The color of a strand: red, green and blue as square roots, which is nearly what eyes see.
-fn color(prims: &[Prim], index: usize) -> [u8; 4] {
+/// The color of a strand, linear.
+fn color(prims: &[Prim], index: usize) -> [f64; 3] {
     let has = |prim: &&Prim| match &prim.shape {
         PrimShape::Curves { strands, .. } => strands.contains(&index),
         PrimShape::Surface { .. } => false,
     };
-    let linear = prims.iter().find(has).map_or(HAIR, |prim| prim.color);
+    prims.iter().find(has).map_or(HAIR, |prim| prim.color)
+}
+
+/// Red, green and blue of a linear color as square roots, which is nearly what eyes see.
+fn seen(linear: [f64; 3]) -> [u8; 4] {
     let [r, g, b] = linear.map(|x| sixteen(x.max(0.0).sqrt() * 255.0).min(255).to_le_bytes()[0]);
     [r, g, b, 0]
 }

@@ -1,17 +1,23 @@
 //! A scene that runs.
 
 use crate::clock::WallPace;
+use crate::drag::ObjectDrag;
+use crate::extras::{Extras, Shows, boxes, pushes};
+use crate::field_lines::{FieldLine, field_lines};
 use crate::frame::{Colors, FrameHead, frame};
 use crate::hands::{self, Hand};
 use crate::knobs::Knob;
 use crate::layout::{Parts, layout};
 use nalgebra::Isometry3;
-use rapunzel_scene::{Plan, Scene};
-use rapunzel_sim::{SimError, Snapshot, StepReport, World};
-use std::fs::File;
-use std::io::{self, Write};
+use rapunzel_export::surface::Placed;
+use rapunzel_export::{Frame, Strand};
+use rapunzel_scene::{Moves, Plan, Scene};
+use rapunzel_sim::{BuildStage, SimError, Snapshot, StepReport, World};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
+
+/// Ending of the name of a file that holds where a scene was left.
+pub(crate) const KEPT: &str = "checkpoint";
 
 /// A scene with its world.
 pub(crate) struct Live {
@@ -20,7 +26,7 @@ pub(crate) struct Live {
     /// The scene as its file has it.
     original: Scene,
     /// Where its files are.
-    folder: PathBuf,
+    pub(crate) folder: PathBuf,
     pub(crate) world: World,
     pub(crate) plan: Plan,
     start: Snapshot,
@@ -31,14 +37,23 @@ pub(crate) struct Live {
     /// What failed, if something did: it stands still until it is restarted.
     pub(crate) failure: Option<String>,
     pub(crate) hand: Option<Hand>,
+    pub(crate) drag: Option<ObjectDrag>,
+    /// Why it does not go on from where it was left, if it should.
+    pub(crate) unkept: Option<String>,
+    /// Field lines, and the number of steps after which they are these.
+    lines: Option<(u64, Vec<FieldLine>)>,
     /// Whether sliders were moved after the start, which a saved scene does not tell.
-    is_bent: bool,
+    pub(crate) is_bent: bool,
 }
 
 impl Live {
     /// Builds the world of a scene whose files are in a folder.
-    pub(crate) fn new(scene: Scene, folder: &Path) -> Result<Self, SimError> {
-        let world = World::build(&scene.clone().seen_from(folder))?;
+    pub(crate) fn new(
+        scene: Scene,
+        folder: &Path,
+        at: &dyn Fn(BuildStage),
+    ) -> Result<Self, SimError> {
+        let world = World::build_observed(&scene.clone().seen_from(folder), at)?;
         Ok(Self {
             original: scene.clone(),
             folder: folder.to_owned(),
@@ -51,6 +66,9 @@ impl Live {
             step_time: Duration::ZERO,
             failure: None,
             hand: None,
+            drag: None,
+            unkept: None,
+            lines: None,
             is_bent: false,
         })
     }
@@ -73,6 +91,9 @@ impl Live {
     }
 
     fn act(&mut self, dt: f64) -> Result<(), SimError> {
+        if let Some(drag) = &self.drag {
+            drag.act(&mut self.scene, &mut self.world, dt)?;
+        }
         match &mut self.hand {
             Some(hand) => hand.act(&mut self.scene, &mut self.world, dt),
             None => Ok(()),
@@ -86,7 +107,8 @@ impl Live {
 
     /// Back to the start, without what hands did; sliders stay.
     pub(crate) fn restart(&mut self) -> Result<(), SimError> {
-        self.hand = None;
+        (self.hand, self.drag, self.lines) = (None, None, None);
+        self.scene.objects = self.original.objects.clone();
         self.scene.grips = self.original.grips.clone();
         if let (Some(now), Some(first)) = (&mut self.scene.mass_spring, &self.original.mass_spring)
         {
@@ -96,6 +118,11 @@ impl Live {
             self.start = self.world.snapshot();
         } else {
             self.world.restore(&self.start)?;
+            for (index, object) in self.scene.objects.iter().enumerate() {
+                if object.moves == Moves::Led {
+                    self.world.lead(index, object)?;
+                }
+            }
             self.world.set_grips(self.scene.grips.clone())?;
         }
         self.pace.reset(Instant::now(), self.world.time());
@@ -131,7 +158,22 @@ impl Live {
         Ok(())
     }
 
+    /// A hand takes hold of an object at a place.
+    pub(crate) fn take_object(&mut self, object: usize, at: [f64; 3]) -> Result<(), SimError> {
+        self.let_go()?;
+        let can = self.scene.charging.is_none();
+        self.drag = can.then(|| ObjectDrag::take(&self.scene, object, at)).flatten();
+        Ok(())
+    }
+
+    /// Moves the hand.
+    pub(crate) fn lead(&mut self, to: [f64; 3]) {
+        self.hand.iter_mut().for_each(|hand| hand.lead(to));
+        self.drag.iter_mut().for_each(|drag| drag.lead(to));
+    }
+
     pub(crate) fn let_go(&mut self) -> Result<(), SimError> {
+        self.drag = None;
         match self.hand.take() {
             Some(hand) => hand.let_go(&mut self.scene, &mut self.world),
             None => Ok(()),
@@ -140,29 +182,6 @@ impl Live {
 
     pub(crate) fn fix(&mut self, at: (usize, usize), fixed: bool) -> Result<(), SimError> {
         hands::fix(&mut self.scene, &mut self.world, at, fixed)
-    }
-
-    /// Saves the scene with all that was changed under a name that no file has, and gives that and
-    /// whether a run of it goes as all went here.
-    pub(crate) fn save(&mut self, folder: &Path, stem: &str) -> Result<(PathBuf, bool), SimError> {
-        self.let_go()?;
-        let mut scene = self.scene.clone();
-        let frames = (self.world.time() * self.plan.frame_rate).ceil();
-        scene.duration = scene.duration.max(frames / self.plan.frame_rate);
-        let text = scene.to_ron()?;
-        let io = |path: &Path, source| SimError::Io { action: "write", path: path.into(), source };
-        let mut number = 1;
-        loop {
-            let path = folder.join(format!("{stem}-changed-{number}.ron"));
-            match File::create_new(&path) {
-                Ok(mut file) => {
-                    file.write_all(text.as_bytes()).map_err(|error| io(&path, error))?;
-                    return Ok((path, !self.is_bent));
-                }
-                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => number += 1,
-                Err(error) => return Err(io(&path, error)),
-            }
-        }
     }
 
     /// Whether hands or sliders have changed the scene.
@@ -189,13 +208,51 @@ impl Live {
             supports: &supports,
             objects: &objects,
             springs: self.scene.mass_spring.is_some(),
+            first_of_two: None,
         })
     }
 
-    pub(crate) fn frame(&self, layout: u32, colors: &mut Colors) -> Vec<u8> {
+    pub(crate) fn frame(&mut self, layout: u32, colors: &mut Colors, shows: Shows) -> Vec<u8> {
         let (number, time) = (self.world.steps(), self.world.time());
         let poses: Vec<Isometry3<f64>> = self.world.poses().collect();
         let head = FrameHead { layout, number, time };
-        frame(head, self.world.stepper().strands(), &poses, colors)
+        if shows == Shows::default() {
+            let mut bytes = frame(head, self.world.stepper().strands(), &poses, colors);
+            Extras::default().write(&mut bytes);
+            return bytes;
+        }
+        let strands: Vec<_> = self.world.stepper().strands().collect();
+        let mut extras = Extras::default();
+        if shows.contacts {
+            extras.pushes = pushes(self.world.contacts(), &strands);
+        }
+        if let Some(level) = shows.volumes {
+            extras.boxes = boxes(&strands, level);
+        }
+        if shows.field {
+            extras.lines = self.lines(number, &strands);
+        }
+        let mut bytes = frame(head, strands.into_iter(), &poses, colors);
+        extras.write(&mut bytes);
+        bytes
+    }
+
+    /// Field lines, new ones if there was a step since the last.
+    fn lines(&mut self, number: u64, strands: &[Strand]) -> Vec<FieldLine> {
+        if self.lines.as_ref().is_none_or(|(of, _)| *of != number) {
+            let lines = field_lines(&self.world, strands).unwrap_or_else(|error| {
+                tracing::warn!(%error, "there are no field lines");
+                Vec::new()
+            });
+            self.lines = Some((number, lines));
+        }
+        self.lines.as_ref().map(|(_, lines)| lines.clone()).unwrap_or_default()
+    }
+
+    /// Strands and objects as a picture shows them; sections as round.
+    pub(crate) fn picture(&self) -> (Frame, Vec<Placed>, Option<f64>) {
+        let strands = self.world.stepper().strands().collect();
+        let frame = Frame { index: 0, time: self.world.time(), strands };
+        (frame, self.world.surfaces().collect(), None)
     }
 }

@@ -29,6 +29,8 @@ struct Mail {
     layout: Option<Arc<[u8]>>,
     state: Option<Arc<str>>,
     frame: Option<Arc<[u8]>>,
+    /// A picture by paths of light.
+    picture: Option<Arc<[u8]>>,
     notes: VecDeque<Arc<str>>,
     /// Frames sent, less those that the page has drawn.
     ahead: u32,
@@ -72,6 +74,11 @@ impl Mailbox {
         self.change(|mail| mail.frame = Some(Arc::clone(frame)));
     }
 
+    /// Puts a picture in place of an older one.
+    pub(crate) fn put_picture(&self, picture: Vec<u8>) {
+        self.change(|mail| mail.picture = Some(picture.into()));
+    }
+
     pub(crate) fn put_note(&self, note: &Arc<str>) {
         self.change(|mail| {
             if mail.notes.len() == MOST_NOTES {
@@ -102,7 +109,8 @@ impl Mailbox {
         let is_empty = |mail: &mut Mail| {
             let frame = mail.frame.is_some() && mail.ahead < AHEAD;
             let texts = mail.about.is_some() || mail.state.is_some() || !mail.notes.is_empty();
-            !(mail.ended || texts || frame || mail.layout.is_some())
+            let bytes = mail.layout.is_some() || mail.picture.is_some();
+            !(mail.ended || texts || frame || bytes)
         };
         let waited = self.news.wait_timeout_while(self.mail(), patience, is_empty);
         let (mut mail, _) = waited.unwrap_or_else(PoisonError::into_inner);
@@ -121,6 +129,9 @@ impl Mailbox {
         }
         if let Some(text) = mail.state.take() {
             return Letter::Text(text);
+        }
+        if let Some(bytes) = mail.picture.take() {
+            return Letter::Bytes(bytes);
         }
         if mail.ahead < AHEAD
             && let Some(bytes) = mail.frame.take()

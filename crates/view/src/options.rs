@@ -11,6 +11,8 @@ pub struct Options {
     pub token: Option<String>,
     /// A scene, a run, a style or a file of strands; the gallery without one.
     pub what: Option<PathBuf>,
+    /// A run or what else can be shown as a still, shown together with `what`.
+    pub beside: Option<PathBuf>,
     /// The scenes of the gallery.
     pub gallery: Vec<GalleryScene>,
     /// Where scenes of the gallery that were changed are saved.
@@ -24,6 +26,14 @@ impl Options {
     #[must_use]
     pub fn local(folder: PathBuf) -> Self {
         let address = SocketAddr::new(IpAddr::V4(Ipv4Addr::LOCALHOST), 0);
-        Self { address, token: None, what: None, gallery: Vec::new(), folder, runs: false }
+        Self {
+            address,
+            token: None,
+            what: None,
+            beside: None,
+            gallery: Vec::new(),
+            folder,
+            runs: false,
+        }
     }
 }

@@ -1,5 +1,7 @@
 //! What pages ask for.
 
+use crate::extras::Shows;
+use crate::wish::PictureWish;
 use serde::Deserialize;
 
 /// Farthest place of a hand from the origin, m.
@@ -27,6 +29,14 @@ pub(crate) enum Order {
     Color { by: Option<String> },
     /// Colors spread between the values of now.
     FitColors,
+    /// What is shown besides.
+    Show(Shows),
+    /// A picture by paths of light.
+    Picture(PictureWish),
+    /// No more of the picture.
+    EndPicture,
+    /// The second of two runs lies over the first, or beside it.
+    Over { over: bool },
     /// A scene of the gallery.
     Open { name: String },
     /// Back to the gallery.
@@ -39,6 +49,8 @@ pub(crate) enum Order {
     Set { knob: String, value: f64 },
     /// A hand takes hold of a point of a strand.
     Take { strand: usize, point: usize, to: [f64; 3] },
+    /// A hand takes hold of an object at a place.
+    TakeObject { object: usize, at: [f64; 3] },
     /// The hand moves.
     Move { to: [f64; 3] },
     /// The hand lets go.
@@ -55,6 +67,10 @@ impl Order {
         let order = serde_json::from_str(text).ok()?;
         let places = match &order {
             Self::Take { to, .. } | Self::Move { to } => &to[..],
+            Self::TakeObject { at, .. } => &at[..],
+            Self::Picture(PictureWish { eye, target, .. }) => {
+                return eye.iter().chain(target).all(|x| x.abs() <= FARTHEST_HAND).then_some(order);
+            }
             Self::Speed { value } | Self::Set { value, .. } => std::slice::from_ref(value),
             _ => &[],
         };
@@ -71,6 +87,9 @@ mod tests {
         let read = |text| Order::read(text).expect("an order");
         assert_eq!(read(r#"{"do":"run"}"#), Order::Run);
         assert_eq!(read(r#"{"do":"color","by":null}"#), Order::Color { by: None });
+        let show = read(r#"{"do":"show","contacts":true,"volumes":1,"field":false}"#);
+        let shows = Shows { contacts: true, volumes: Some(1), field: false };
+        assert_eq!(show, Order::Show(shows));
         let take = read(r#"{"do":"take","strand":1,"point":2,"to":[0,0.5,-1]}"#);
         assert_eq!(take, Order::Take { strand: 1, point: 2, to: [0.0, 0.5, -1.0] });
     }
@@ -86,6 +105,8 @@ mod tests {
             r#"{"do":"speed","value":1e300}"#,
             r#"{"do":"move","to":[0,0]}"#,
             r#"{"do":"move","to":[0,0,1e9]}"#,
+            r#"{"do":"show","contacts":true,"volumes":-1,"field":false}"#,
+            r#"{"do":"picture","number":1,"eye":[0,0,1e9],"target":[0,0,0],"field":1,"thickness":1,"plain":false,"size":[9,9],"samples":1}"#,
             r#"{"do":"set","knob":"frequency","value":3,"more":1}"#,
         ] {
             assert_eq!(Order::read(text), None, "{text}");

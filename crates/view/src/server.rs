@@ -5,6 +5,7 @@ use crate::options::Options;
 use crate::request::{PATIENCE, Refusal, Request};
 use crate::{ViewError, answer, assets, gallery, socket};
 use std::net::{SocketAddr, TcpListener, TcpStream};
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, mpsc};
 use std::time::{Duration, Instant};
@@ -17,7 +18,7 @@ const MOST_EVENTS: usize = 256;
 /// How often is looked whether the server is to end.
 const ASK: Duration = Duration::from_millis(20);
 /// How long the threads of the server are waited for in the end.
-const FAREWELL: Duration = Duration::from_millis(500);
+const FAREWELL: Duration = Duration::from_millis(700);
 
 /// A server that listens.
 #[derive(Debug)]
@@ -57,9 +58,12 @@ impl Server {
     /// Returns within a second of `stop`; a step or the building of a scene that takes longer ends
     /// with the program.
     ///
+    /// Gives the file of a scene that was left in the midst, with all that was changed; beside it
+    /// is where it stood, and opened again it goes on there.
+    ///
     /// # Errors
     /// [`ViewError::Thread`].
-    pub fn run(self, stop: &dyn Fn() -> bool) -> Result<(), ViewError> {
+    pub fn run(self, stop: &dyn Fn() -> bool) -> Result<Option<PathBuf>, ViewError> {
         let Self { listener, address, options } = self;
         let (events, heard) = mpsc::sync_channel(MOST_EVENTS);
         let hub = Arc::new(Hub::new(events));
@@ -89,7 +93,9 @@ impl Server {
         while busy() && begin.elapsed() < FAREWELL {
             thread::sleep(ASK);
         }
-        Ok(())
+        // Of a step that takes longer, nothing is known that could be kept.
+        let kept = if driven.is_finished() { driven.join().ok().flatten() } else { None };
+        Ok(kept)
     }
 }
 

@@ -1,13 +1,14 @@
 //! What pages are told in words: what is shown, and how it stands.
 
 use crate::GalleryScene;
+use crate::drag::ObjectDrag;
 use crate::frame::Colors;
 use crate::knobs::KNOBS;
 use crate::live::Live;
 use crate::modes::{self, Kind};
 use crate::recorded::Recorded;
 use crate::stage::{Broken, Showing};
-use rapunzel_scene::{Scene, Wind};
+use rapunzel_scene::{Moves, Scene, Wind};
 use serde_json::{Value, json};
 use std::time::Instant;
 
@@ -24,15 +25,22 @@ pub(crate) fn about(stage: &Showing, title: &str, gallery: &[GalleryScene], name
             "readings": live.world.stepper().energy_columns(),
             "has_modes": modes::next(gallery, name).is_some(),
             "can_pull": live.scene.charging.is_none(),
+            "can_drag": live.scene.charging.is_none()
+                && live.scene.objects.iter().any(|object| object.moves == Moves::Led),
             "can_hold": live.scene.mass_spring.is_some(),
             "has_contacts": live.scene.contact.is_some(),
             "ground": live.scene.mass_spring.as_ref()
                 .and_then(|springs| springs.contacts.as_ref()?.ground),
             "has_charge": live.scene.charging.is_some(),
             "notes": live.world.notes(),
-            "warning": live.world.warning(live.plan.dt),
+            "warning": live.unkept.clone().or_else(|| live.world.warning(live.plan.dt)),
         }),
-        Showing::Recorded(recorded) => json!({ "kind": "recorded", "frames": recorded.count() }),
+        Showing::Recorded(recorded) => json!({
+            "kind": "recorded",
+            "frames": recorded.count(),
+            "two": recorded.first_of_two().is_some(),
+            "has_pushes": true,
+        }),
         Showing::Broken(Broken { message, problems }) => {
             let problems: Vec<_> = problems
                 .iter()
@@ -94,6 +102,7 @@ fn live_state(live: &mut Live, now: Instant) -> Value {
         "readings": live.world.stepper().energy_row(),
         "failure": live.failure,
         "holds": live.hand.as_ref().map(|hand| [hand.strand, hand.node]),
+        "drags": live.drag.as_ref().map(ObjectDrag::object),
         "changed": live.is_changed(),
         "wind": (wind != Wind::default()).then(|| <[f64; 3]>::from(wind.at(time))),
         "values": values(&live.scene),
@@ -105,6 +114,8 @@ fn recorded_state(recorded: &mut Recorded, now: Instant) -> Value {
     let measured = recorded.pace.measured(now, time);
     json!({
         "time": time,
+        "second": recorded.second().map(|(time, _)| time),
+        "over": recorded.second().map(|(_, over)| over),
         "frame": recorded.index,
         "frames": recorded.count(),
         "runs": recorded.pace.runs(),

@@ -4,6 +4,7 @@ use crate::common::{SCENE, rapunzel, run_in, scene_file, wait_for};
 use rapunzel_export::vtp;
 use std::collections::BTreeMap;
 use std::fs;
+use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Stdio};
 use std::time::Duration;
@@ -107,6 +108,30 @@ fn an_interrupted_run_leaves_a_checkpoint_and_its_own_code() {
     assert!(start(&scene, &parts, "1").wait().expect("ends").success());
     assert!(run_in(&scene, &whole).status().expect("runs").success());
     assert_same(&whole, &parts);
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_page_keeps_where_the_scene_stood() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = scene_file(folder.path(), SCENE);
+    let mut command = rapunzel();
+    command.args(["view", "--json", "--run", "--no-browser"]).arg(&scene);
+    let mut child = command.stdout(Stdio::piped()).spawn().expect("starts");
+    let mut lines = BufReader::new(child.stdout.take().expect("piped")).lines();
+    let first = lines.next().expect("a line").expect("text");
+    assert!(first.contains("http://127.0.0.1:"), "{first}");
+    // Long enough for the first of two thousand steps a second.
+    std::thread::sleep(Duration::from_secs(1));
+    let pid = child.id().to_string();
+    std::process::Command::new("kill").args(["-INT", &pid]).status().expect("sends a signal");
+    assert_eq!(child.wait().expect("ends").code(), Some(130));
+    let told = lines.next().expect("a line").expect("text");
+    let told: serde_json::Value = serde_json::from_str(&told).expect("JSON");
+    let kept = Path::new(told["kept"].as_str().expect("a path"));
+    assert!(kept.is_file() && kept.with_extension("checkpoint").is_file(), "{told}");
+    let check = rapunzel().arg("check").arg(kept).output().expect("runs");
+    assert!(check.status.success(), "{check:?}");
 }
 
 #[test]

@@ -5,9 +5,7 @@ use super::mesh::read_mesh;
 use crate::SimError;
 use crate::scene::{self, Moves, ObjectMass, ObjectShape};
 use crate::style::head_mesh;
-use nalgebra::{
-    Isometry3, Matrix3, Point3, Rotation3, Translation3, Unit, UnitQuaternion, Vector3,
-};
+use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Translation3, Unit, Vector3};
 use rapunzel_collision::field::{Ball, Cuboid, Grid, HalfSpace, Mesh, Soup, Terrain, shapes};
 use rapunzel_collision::{Capsule, CollisionError};
 use rapunzel_contact::{ContactError, RigidBody};
@@ -56,11 +54,7 @@ pub(crate) fn build_object(
     index: usize,
     around: &Sizes,
 ) -> Result<CollisionObject, SimError> {
-    let [x, y, z] = scene.turn.map(f64::to_radians);
-    let start = Isometry3::from_parts(
-        Translation3::from(scene.position),
-        UnitQuaternion::from_euler_angles(x, y, z),
-    );
+    let start = scene.start();
     let refuse = |source| SimError::Object { object: index, source };
     let (field, surface) = match &scene.shape {
         ObjectShape::Mesh { file, spacing, scale, repair } => {
@@ -73,10 +67,7 @@ pub(crate) fn build_object(
         shape => solid(shape, around).map_err(refuse)?,
     };
     let motion = match scene.moves {
-        Moves::Led => {
-            let (motion, origin) = (scene.motion.clone(), Point3::from(scene.position));
-            ObjectMotion::Kinematic(Box::new(move |t| motion.displacement(t, &origin) * start))
-        }
+        Moves::Led => ObjectMotion::Kinematic(Box::new(scene.led_pose())),
         Moves::Free { mass, velocity, spin } => {
             let density = match mass {
                 ObjectMass::Density(density) => density,

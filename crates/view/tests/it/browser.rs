@@ -25,6 +25,11 @@ pub(crate) struct Browser {
 impl Browser {
     /// Starts one with a page of this size; none, said loudly, where there is none on the machine.
     pub(crate) fn start(width: u32, height: u32) -> Option<Self> {
+        Self::start_with(width, height, &["--use-angle=swiftshader", "--enable-unsafe-swiftshader"])
+    }
+
+    /// The same, with other options about how it draws.
+    pub(crate) fn start_with(width: u32, height: u32, draws: &[&str]) -> Option<Self> {
         let Some(program) = find() else {
             let names = NAMES.join(", ");
             let message = format!("SKIPPED: there is no browser: install one of {names}\n");
@@ -36,7 +41,8 @@ impl Browser {
         let profile = tempfile::tempdir().expect("a folder");
         let mut child = Command::new(program)
             .args(["--headless=new", "--no-sandbox", "--disable-dev-shm-usage"])
-            .args(["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--lang=en"])
+            .args(draws)
+            .arg("--lang=en")
             .args(["--no-first-run", "--mute-audio", "--remote-debugging-port=0"])
             .arg(format!("--user-data-dir={}", profile.path().display()))
             .arg(format!("--window-size={width},{height}"))

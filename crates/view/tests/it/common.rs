@@ -2,7 +2,7 @@ use rapunzel_view::{GalleryScene, Options, Server};
 use serde_json::Value;
 use std::io::{Read, Write};
 use std::net::TcpStream;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::{self, JoinHandle};
@@ -11,7 +11,7 @@ use tungstenite::client::IntoClientRequest;
 use tungstenite::{Message, WebSocket};
 
 /// As long as anything may take on a busy machine.
-pub(crate) const PATIENCE: Duration = Duration::from_secs(60);
+pub(crate) const PATIENCE: Duration = Duration::from_secs(200);
 
 /// A rope of ten nodes.
 pub(crate) const ROPE: &str = "(
@@ -32,13 +32,44 @@ pub(crate) const HAIRS: &str = "(
     output: (frame_rate: 100.0),
 )";
 
+/// Three hairs that hang beside a ball whose motion is given.
+pub(crate) const BALL: &str = "(
+    format: 1, name: \"A ball beside hairs\", duration: 0.1, stepper: (dt: 1e-3),
+    fibers: [(
+        length: 0.1, segments: 20, section: Circle(radius: 4e-5), damping_time: 1e-3,
+        arrangement: EllipseAtDensity(semi_axes: (0.005, 0.005), density: 4e4),
+    )],
+    objects: [(shape: Ball(radius: 0.02), position: (0.035, 0.0, -0.07))],
+    contact: (friction: Isotropic(0.3)),
+    environment: (viscosity: 1.8e-5),
+    output: (frame_rate: 100.0, ledger: true),
+)";
+/// The same ball, which goes slowly through the hairs by itself.
+pub(crate) fn bump() -> String {
+    let motion = "-0.07), motion: Translate(velocity: (-0.1, 0.0, 0.0), until: 0.05))";
+    BALL.replace("-0.07))", motion).replace("0.035, 0.0", "0.027, 0.0")
+}
+
+/// Hairs with charge.
+pub(crate) const CHARGED: &str = "(
+    format: 1, name: \"Charged hairs\", duration: 5.0, stepper: (dt: 1.0),
+    fibers: [(
+        length: 0.1, segments: 10, section: Circle(radius: 4e-5),
+        arrangement: Ellipse(semi_axes: (0.004, 0.004), count: 6),
+        charge: (amount: Fiber(-1e-11)),
+    )],
+    charging: (dealing: Falling(4), tolerance: 1e-3),
+)";
+
 /// A server that is stopped when it is dropped.
 pub(crate) struct Served {
     /// Host and port.
     pub(crate) host: String,
     pub(crate) url: String,
     stop: Arc<AtomicBool>,
-    thread: Option<JoinHandle<()>>,
+    thread: Option<JoinHandle<Option<PathBuf>>>,
+    /// What was kept of a scene that was left.
+    pub(crate) kept: Option<PathBuf>,
 }
 
 impl Served {
@@ -48,7 +79,7 @@ impl Served {
         let host = url.trim_start_matches("http://").split('/').next().expect("a host").to_owned();
         let asked = Arc::clone(&stop);
         let run = move || server.run(&|| asked.load(Ordering::Relaxed)).expect("threads");
-        Self { host, url, stop, thread: Some(thread::spawn(run)) }
+        Self { host, url, stop, thread: Some(thread::spawn(run)), kept: None }
     }
 
     /// A gallery of a rope and hairs.
@@ -63,9 +94,16 @@ impl Served {
         let begin = Instant::now();
         self.stop.store(true, Ordering::Relaxed);
         if let Some(thread) = self.thread.take() {
-            thread.join().expect("no panic");
+            self.kept = thread.join().expect("no panic");
         }
         begin.elapsed()
+    }
+
+    /// A scene in a file of a folder.
+    pub(crate) fn scene(folder: &Path, text: &str) -> Self {
+        let path = folder.join("scene.ron");
+        std::fs::write(&path, text).expect("written");
+        Self::new(Options { what: Some(path), ..Options::local(folder.to_owned()) })
     }
 
     /// The answer to a request as it stands, with head and body.
@@ -98,9 +136,10 @@ impl Drop for Served {
 /// A page without a browser.
 pub(crate) struct Client {
     pub(crate) socket: WebSocket<TcpStream>,
-    /// The last layout and frame.
+    /// The last layout and frame, and all pictures.
     pub(crate) layout: Vec<u8>,
     pub(crate) frame: Vec<u8>,
+    pub(crate) pictures: Vec<Vec<u8>>,
 }
 
 impl Client {
@@ -110,7 +149,7 @@ impl Client {
         let mut request = format!("ws://{host}/socket").into_client_request().ok()?;
         request.headers_mut().insert("Origin", format!("http://{host}").parse().ok()?);
         let (socket, _) = tungstenite::client(request, stream).ok()?;
-        Some(Self { socket, layout: Vec::new(), frame: Vec::new() })
+        Some(Self { socket, layout: Vec::new(), frame: Vec::new(), pictures: Vec::new() })
     }
 
     pub(crate) fn order(&mut self, order: &str) {
@@ -127,6 +166,9 @@ impl Client {
                 Message::Binary(bytes) if bytes.starts_with(b"RPF1") => {
                     self.frame = bytes.to_vec();
                     self.order(r#"{"do":"drawn"}"#);
+                }
+                Message::Binary(bytes) if bytes.starts_with(b"RPP1") => {
+                    self.pictures.push(bytes.to_vec());
                 }
                 Message::Binary(bytes) => self.layout = bytes.to_vec(),
                 Message::Close(_) => return None,
@@ -151,6 +193,53 @@ impl Client {
     pub(crate) fn open(&mut self, name: &str) -> Value {
         self.order(&format!(r#"{{"do":"open","name":"{name}"}}"#));
         self.wait("about", |about| about["kind"] == "live" && about["title"] == name)
+    }
+
+    /// Waits for a frame for which something holds.
+    pub(crate) fn wait_frame(&mut self, that: impl Fn(&Self) -> bool) {
+        let begin = Instant::now();
+        while self.frame.is_empty() || !that(self) {
+            assert!(begin.elapsed() < PATIENCE, "no frame comes that is as expected");
+            // Whatever changes nothing makes the next state and frame come.
+            self.order(r#"{"do":"fit_colors"}"#);
+            self.text().expect("the connection holds");
+        }
+    }
+
+    fn count(&self, at: usize) -> usize {
+        let bytes = self.frame[at..at + 4].try_into().expect("four bytes");
+        u32::from_le_bytes(bytes) as usize
+    }
+
+    /// Singles of the last frame.
+    fn floats(&self, at: usize, count: usize) -> Vec<f64> {
+        let bytes = self.frame[at..at + 4 * count].chunks_exact(4);
+        bytes.map(|b| f64::from(f32::from_le_bytes(b.try_into().expect("four bytes")))).collect()
+    }
+
+    /// Number of points of the last frame.
+    pub(crate) fn points(&self) -> usize {
+        self.count(72)
+    }
+
+    /// Place of an object in the last frame, m.
+    pub(crate) fn object(&self, index: usize) -> [f64; 3] {
+        let at = 80 + 8 * self.points() + 28 * index;
+        self.floats(at, 3).try_into().expect("three numbers")
+    }
+
+    /// Contacts (place and force), boxes (two corners) and points of field lines of the last frame.
+    pub(crate) fn extras(&self) -> [Vec<Vec<f64>>; 3] {
+        let at = 80 + 8 * self.points() + 28 * self.count(76);
+        let [pushes, boxes, lines, points] = [0, 4, 8, 12].map(|k| self.count(at + k));
+        let (first, second) = (at + 16, at + 16 + 24 * pushes);
+        let third = second + 24 * boxes + 4 * lines;
+        assert_eq!(self.frame.len(), third + 12 * points);
+        let of = |at: usize, count: usize, each: usize| {
+            let floats = self.floats(at, each * count);
+            floats.chunks(each).map(<[f64]>::to_vec).collect::<Vec<_>>()
+        };
+        [of(first, pushes, 6), of(second, boxes, 6), of(third, points, 3)]
     }
 
     /// Position of a point of the last frame, m, and to what it is right.

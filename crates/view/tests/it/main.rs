@@ -3,6 +3,12 @@
 mod browser;
 mod common;
 mod hands;
+mod left;
+mod measured;
+mod objects;
 mod page;
+mod pictures;
 mod recorded;
 mod server;
+mod shipped;
+mod shows;

@@ -27,13 +27,13 @@ const LIT: &str = "new Promise((done) => {
 })";
 
 /// Draws `name` and looks at its pixels.
-fn lit(browser: &mut Browser) -> (u64, u64) {
+pub(crate) fn lit(browser: &mut Browser) -> (u64, u64) {
     let counts = browser.value(LIT);
     (counts[0].as_u64().expect("pixels"), counts[1].as_u64().expect("colors"))
 }
 
 /// All scenes that ship beside the crate and stand alone.
-fn shipped() -> Vec<GalleryScene> {
+pub(crate) fn shipped() -> Vec<GalleryScene> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
     let mut scenes = Vec::new();
     for kind in ["mass-spring", "contact", "charge", ""] {
@@ -54,11 +54,11 @@ fn shipped() -> Vec<GalleryScene> {
     scenes
 }
 
-fn gallery(folder: &Path) -> Served {
+pub(crate) fn gallery(folder: &Path) -> Served {
     Served::new(Options { gallery: shipped(), ..Options::local(folder.to_owned()) })
 }
 
-fn open(browser: &mut Browser, name: &str) {
+pub(crate) fn open(browser: &mut Browser, name: &str) {
     browser.value(&format!("document.querySelector('[data-name=\"{name}\"]').click()"));
     browser.wait("rapunzel.about.kind === 'live' && rapunzel.painter.frame && rapunzel.isFit");
 }
@@ -100,7 +100,7 @@ fn scenes_of_the_gallery_open_and_draw() {
 }
 
 /// Pixels of a point of the picture.
-fn pixels(browser: &mut Browser, point: usize) -> (f64, f64) {
+pub(crate) fn pixels(browser: &mut Browser, point: usize) -> (f64, f64) {
     let at = browser.value(&format!(
         "(() => {{ const c = document.getElementById('picture');
             const box = c.getBoundingClientRect();
