@@ -91,10 +91,11 @@ impl ContactDetector {
         let fibers = (0..motion.layout.fibers()).filter_map(|fiber| Some((fiber, grows(fiber)?)));
         let pairs = fibers.flat_map(|(fiber, gap)| {
             let root = motion.start[motion.layout.node_range(fiber).start];
-            let radius = motion.radii()[motion.layout.segment_range(fiber).start];
+            let first = motion.layout.segment_range(fiber).start;
+            let height = motion.sections.shapes.height(first);
             let is_in = move |object: &CollisionObject| {
                 let own = object.pose(motion.step.start).inverse_transform_point(&root);
-                !object.is_free() && object.field().value(&own) - radius < gap
+                !object.is_free() && object.field().value(&own) - height < gap
             };
             let objects = (0..).zip(objects).filter(move |(_, object)| is_in(object));
             objects.map(move |(object, _)| [fiber_number(fiber), object])

@@ -69,6 +69,11 @@ impl SectionShapes {
         Self { radii, semi_axes: Vec::new(), inertias: Vec::new(), flatness: 1.0 }
     }
 
+    /// The shorter semi-axis of a segment, m.
+    pub(crate) fn height(&self, segment: usize) -> f64 {
+        self.semi_axes.get(segment).map_or(self.radii[segment], |[a, b]| a.min(*b))
+    }
+
     /// Whether all sections are circles.
     pub(crate) fn are_round(&self) -> bool {
         self.semi_axes.is_empty()
