@@ -141,7 +141,9 @@ impl Solver for Admm {
             let found = self.iterate(leader, &start, period, plans)?;
             let error = |report: &Report| self.tolerance.error(report);
             if !found.converged && error(&found) > STRAYED * error(&start) {
-                return Ok(Report { iterations: found.iterations, converged: false, ..start });
+                // Bodies that answer what is not finite are told.
+                let told = if error(&found).is_finite() { start } else { found };
+                return Ok(Report { iterations: found.iterations, converged: false, ..told });
             }
             leader.run(Phase::ReturnImpulses);
             Ok(found)
