@@ -13,17 +13,11 @@ use nalgebra::Vector3;
 /// together. Half and half as much again take more iterations in one of these or the other.
 const CROWDING: f64 = 8.0;
 
-/// Answer of points that impulses turn together, in answers of points that they push together: of a
-/// solid cylinder that is rolled, pressed from all sides.
-const ROLLING: f64 = 2.0;
-
 /// About the most that all contacts together answer to impulses, in units of what each answers to
 /// its own in the metric of this `weight`: a bound where what a body's points answer to each other
-/// points one way, and in a `crowd`, which presses fibres from all sides, where it rolls them. In
-/// packs of hair descent takes half of the iterations so; where heavy rests on light it would take
-/// more.
-pub(crate) fn largest_response(weight: f64, crowd: bool) -> f64 {
-    weight * CROWDING * if crowd { ROLLING } else { 1.0 }
+/// points one way.
+pub(crate) fn largest_response(weight: f64) -> f64 {
+    weight * CROWDING
 }
 
 /// Writes the metric, kg, of one side at each point of a body, at which there are `sides` of them,

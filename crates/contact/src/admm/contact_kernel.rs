@@ -153,8 +153,7 @@ fn descent_gradient<S: Simd>(
             sums.add(&lanes, u, r);
         }
         // Plain descent does not diverge with D below twice the reciprocal of the largest response.
-        let largest = metric::largest_response(state.metric_weight, state.crowded);
-        let bound = lanes.splat(largest) * lanes.responses();
+        let bound = lanes.splat(metric::largest_response(state.metric_weight)) * lanes.responses();
         let mass = (bound / lanes.splat(2.0 * STEP_MARGIN) + lanes.compliance()).recip();
         u.0[0] = u.0[0] + lanes.dissipation([u.0[1], u.0[2]]);
         let next = nearest_in_cone(&lanes, r - u.scale(mass));
