@@ -157,8 +157,8 @@ impl Solver for Admm {
 }
 
 impl Admm {
-    /// Iterates all parts to the end, from what `start` tells of, with steps of the acceleration of `period` iterations, and
-    /// descents at the start and near the end.
+    /// Iterates all parts to the end, from what `start` tells of, with steps of the acceleration of
+    /// `period` iterations, and descents at the start and near the end.
     fn iterate<'a, 'b, A>(
         &self,
         leader: &Leader<'_, '_, AdmmPart<'a, 'b>, Phase, AdmmWorkspace, A>,

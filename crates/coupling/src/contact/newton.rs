@@ -4,6 +4,7 @@
 use super::detection;
 use super::forcing_term::ForcingTerm;
 use super::problem::ContactProblem;
+use super::problem::groups::LAST_TURN;
 use super::stepper::{ContactStepper, PATIENCE};
 use super::substep::Substep;
 use super::substep_failure::SubstepFailure;
@@ -20,10 +21,6 @@ use rapunzel_scene::{ContactMethod, ContactSettings};
 const MOST_ITERATIONS: usize = 8;
 /// Increments below this, rad, need not be taken.
 const SMALL_TURN: f64 = 1e-4;
-/// After one that is smaller than this the next is taken to be: it is of the order of the square.
-/// Of a falling lock it was the square, and 190 times that at worst, where that was less than a
-/// third of what may stay.
-pub(super) const LAST_TURN: f64 = 1e-3;
 /// Where segments still turn by more than this, rad, the step leads nowhere: two shorter ones cost
 /// less.
 const LOST: f64 = 0.5;

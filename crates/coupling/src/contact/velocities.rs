@@ -65,7 +65,8 @@ impl<'a> Velocities<'a> {
         }
     }
 
-    /// Angular velocity of a side of a contact point, rad/s; zero for an object with a given motion.
+    /// Angular velocity of a side of a contact point, rad/s; zero for an object with a given
+    /// motion.
     pub(super) fn spin_of_side(&self, point: &ContactPoint, side: usize) -> Vector3<f64> {
         match point.sides[side] {
             BodyRef::Fiber(fiber) => {

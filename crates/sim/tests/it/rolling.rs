@@ -86,8 +86,8 @@ fn a_cylinder_that_is_thrown_rolls_on() {
     assert!(lost.abs() < 1e-6, "{lost}");
 }
 
-/// A cylinder with a rolling resistance of `b` rolls down with 2/3 g (sin - b / r cos), and rests on
-/// slopes up to `b / r`. That the resistance is of the step before costs it two steps.
+/// A cylinder with a rolling resistance of `b` rolls down with 2/3 g (sin - b / r cos), and rests
+/// on slopes up to `b / r`. That the resistance is of the step before costs it two steps.
 #[test]
 fn rolling_resistance_holds_a_cylinder_or_brakes_it() {
     let dt = 1e-3;

@@ -10,8 +10,8 @@ use std::f64::consts::PI;
 ///
 /// The moment of friction about the pin is known whatever the pressure along the hair: that of the
 /// weight, which no other moment bears. The hair is stiff, so that it slips everywhere at once, and
-/// an arc that lies flat, which cannot roll as a straight one would: 0.3 mm high, ten radii. And `slip` is small against the belt's
-/// velocity, as what slips less counts as sticking.
+/// an arc that lies flat, which cannot roll as a straight one would: 0.3 mm high, ten radii. And
+/// `slip` is small against the belt's velocity, as what slips less counts as sticking.
 #[test]
 fn a_belt_makes_a_hair_stick_and_slip() {
     const RADIUS: f64 = 3.5e-5;

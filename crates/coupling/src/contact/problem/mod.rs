@@ -1,6 +1,7 @@
 //! The contacts of a step as the solver takes them.
 
 mod culling;
+pub(super) mod groups;
 mod parameters;
 mod residuals;
 mod rolling;

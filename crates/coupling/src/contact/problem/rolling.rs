@@ -1,4 +1,5 @@
-//! Rolling resistance: where sides roll over each other, they are pressed ahead of where they touch.
+//! Rolling resistance: where sides roll over each other, they are pressed ahead of where they
+//! touch.
 //!
 //! The normal force acts aside by a lean `d` across the normal, at most the length `rolling
 //! resistance`, and so has the moment `d x n` times itself on the one side and its opposite on the

@@ -1,7 +1,5 @@
-//! The sides of contacts, and the groups of fibres that have them.
+//! The sides of contacts, as points of bodies.
 
-use super::ContactProblem;
-use crate::contact::newton::LAST_TURN;
 use crate::contact::system::CoupledSystem;
 use crate::contact_point::{BodyRef, ContactPoint};
 use rapunzel_contact::Body;
@@ -10,46 +8,6 @@ use rayon::prelude::*;
 
 /// A side of a contact: the number of the contact, and 0 or 1.
 pub(super) type ContactSide = (usize, usize);
-
-impl ContactProblem {
-    /// By group, whether it has no contact in the list and its last increment, `turns`, rad, was so
-    /// small that it is solved: what others do does not move it.
-    pub(crate) fn still(&self, system: &CoupledSystem, turns: &[f64]) -> Vec<bool> {
-        let mut still: Vec<bool> = turns.iter().map(|turn| *turn < LAST_TURN).collect();
-        for side in self.points.iter().flat_map(|point| point.sides) {
-            if let BodyRef::Fiber(fiber) = side {
-                still[system.fibers.lane(fiber as usize).0] = false;
-            }
-        }
-        still
-    }
-
-    /// The sides of some contacts that move, by group of fibres and by object.
-    pub(super) fn sides(
-        &self,
-        system: &CoupledSystem,
-        contacts: &[usize],
-    ) -> [Vec<Vec<ContactSide>>; 2] {
-        let mut used = vec![Vec::new(); system.fibers.groups.len()];
-        let mut on_objects = vec![Vec::new(); system.objects.len()];
-        let moving = |&i: &usize| {
-            let point = &self.points[i];
-            [Some(point.sides[0]), (!point.kinematic).then_some(point.sides[1])]
-        };
-        let moving: Vec<_> = contacts.par_iter().map(moving).collect();
-        for (&i, sides) in contacts.iter().zip(moving) {
-            for (side, partner) in sides.into_iter().flatten().enumerate() {
-                match partner {
-                    BodyRef::Fiber(fiber) => {
-                        used[system.fibers.lane(fiber as usize).0].push((i, side));
-                    }
-                    BodyRef::Object(object) => on_objects[object as usize].push((i, side)),
-                }
-            }
-        }
-        [used, on_objects]
-    }
-}
 
 /// How all points of some bodies answer themselves, 1/kg.
 pub(super) fn traces(bodies: &mut [&mut dyn Body]) -> Vec<f64> {
