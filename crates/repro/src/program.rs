@@ -16,7 +16,10 @@ pub fn main<D>(
     main_beside(figures, &[], arguments, draw)
 }
 
-/// As [`main`], with a list of what is not run, which the page of the figures tells.
+/// Draws all figures into a folder, the first of the arguments, or those whose numbers follow it,
+/// with a page that shows them and lists what is `not_run`, and prints what was compared; `draw` is
+/// handed what an entry has for that. The program fails if a check does, a figure cannot be drawn,
+/// or none has a number that is asked for.
 pub fn main_beside<D>(
     figures: &[FigureEntry<D>],
     not_run: &[NotRun],

@@ -57,7 +57,7 @@ impl SectionShapes {
         }
         let both = along(|(a, _)| a).into_iter().zip(along(|(_, b)| b));
         let semi_axes: Vec<_> = both.map(|(a, b)| [a, b]).collect();
-        let own = |fiber: &'_ Fiber| (0..fiber.segments()).map(|s| fiber.segment_mass(s)).collect();
+        let own = |fiber: &Fiber| (0..fiber.segments()).map(|s| fiber.segment_mass(s)).collect();
         let masses: Vec<Vec<f64>> = assembly.fibers().iter().map(own).collect();
         let inertia = |(mass, [a, b]): (f64, &[f64; 2])| 0.25 * mass * (a * a + b * b);
         let inertias = masses.into_iter().flatten().zip(&semi_axes).map(inertia).collect();

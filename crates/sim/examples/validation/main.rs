@@ -5,7 +5,11 @@
 //! part in. Where a number converges, its order is checked, and what it converges to. Each protocol
 //! is an SVG with its numbers as CSV, and all are a page.
 
+#[path = "../../tests/it/belt.rs"]
+mod belt;
 mod discrete;
+#[path = "../../tests/it/drum.rs"]
+mod drum;
 mod planar;
 mod spatial;
 mod theory;

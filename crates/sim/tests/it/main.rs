@@ -3,6 +3,7 @@
 #![expect(clippy::print_stdout, reason = "tests tell what they measured")]
 
 mod ball;
+mod belt;
 mod buckling;
 mod capstan;
 mod charging;
@@ -11,6 +12,7 @@ mod compliant;
 mod contact;
 mod crossed;
 mod crossing;
+mod drum;
 mod ends;
 mod grooms;
 mod knot;
