@@ -107,8 +107,8 @@ impl Belt {
     }
 }
 
-/// Angle of a tip about the pin, rad: with it aside in [`Belt::scene`] the force leads straight away
-/// from the pin.
+/// Angle of a tip about the pin, rad: with it aside in [`Belt::scene`] the force leads straight
+/// away from the pin.
 pub(crate) fn angle(tip: &Point3<f64>) -> f64 {
     tip.y.atan2(tip.x)
 }
