@@ -98,6 +98,8 @@ function showAbout(about) {
   status(page.mine ? "" : word("watching"));
   const isLive = about.kind === "live";
   if (isOther) {
+    // What was known is of what was shown before.
+    page.state = {};
     page.isFit = false;
     page.traced.end();
     say("");

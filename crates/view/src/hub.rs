@@ -153,7 +153,7 @@ impl Hub {
             mailbox.put_about(&about);
             layout.iter().for_each(|layout| mailbox.put_layout(layout));
         }
-        pages.about = Some(about);
+        (pages.about, pages.state) = (Some(about), None);
         if layout.is_some() {
             (pages.layout, pages.frame) = (layout, None);
         }

@@ -54,8 +54,12 @@ impl Mailbox {
         self.news.notify_one();
     }
 
+    /// Says what is shown from now on; how it stood before is told no more.
     pub(crate) fn put_about(&self, about: &Arc<str>) {
-        self.change(|mail| mail.about = Some(Arc::clone(about)));
+        self.change(|mail| {
+            mail.about = Some(Arc::clone(about));
+            mail.state = None;
+        });
     }
 
     /// Puts another layout; frames of the one before fit it no more.
@@ -175,6 +179,18 @@ mod tests {
         mailbox.put_frame(&bytes(3));
         assert_eq!(mailbox.next(soon), Letter::Bytes(bytes(2)));
         assert_eq!(mailbox.next(soon), Letter::Bytes(bytes(3)));
+    }
+
+    #[test]
+    fn what_is_shown_is_told_without_the_state_of_another() {
+        let (mailbox, soon) = (Mailbox::default(), Duration::from_millis(1));
+        let [old, about, new] = ["old", "about", "new"].map(Arc::from);
+        mailbox.put_state(&old);
+        mailbox.put_about(&about);
+        assert_eq!(mailbox.next(soon), Letter::Text(about));
+        assert_eq!(mailbox.next(soon), Letter::Nothing);
+        mailbox.put_state(&new);
+        assert_eq!(mailbox.next(soon), Letter::Text(new));
     }
 
     #[test]

@@ -137,8 +137,10 @@ impl Browser {
     pub(crate) fn wait(&mut self, expression: &str) {
         let begin = Instant::now();
         while self.value(&format!("Boolean({expression})")) != true {
-            let errors = &self.errors;
-            assert!(begin.elapsed() < PATIENCE, "{expression} is not to be; {errors:?}");
+            if begin.elapsed() > PATIENCE {
+                let state = self.value("JSON.stringify(window.rapunzel?.state)");
+                panic!("{expression} is not to be; {:?}; {state}", self.errors);
+            }
             std::thread::sleep(Duration::from_millis(30));
         }
     }
