@@ -1,7 +1,7 @@
 //! What the certificate is made of.
 
+use super::tree::{Cell, Octree};
 use crate::direct_sum::{Cloud, direct_sums};
-
 use rayon::prelude::*;
 
 /// Number of targets that are looked at one by one if there is a sample among them.
@@ -22,13 +22,34 @@ pub(super) fn wanted(sources: usize, targets: usize) -> usize {
     (100_000_000 / sources.max(1)).clamp(64, 2048).min(targets)
 }
 
+/// Targets that are farthest from the center of one of the cells of their tree, ascending.
+fn rims(tree: &Octree, places: &[Vec<f64>; 3]) -> Vec<usize> {
+    let farthest = |cell: &Cell| {
+        let squared =
+            |i: usize| (0..3).map(|d| (places[d][i] - cell.center[d]).powi(2)).sum::<f64>();
+        cell.bodies.clone().max_by(|&i, &j| squared(i).total_cmp(&squared(j)))
+    };
+    let mut rims: Vec<_> = tree.cells.iter().filter_map(farthest).collect();
+    rims.sort_unstable();
+    rims.dedup();
+    rims
+}
+
 impl Reference {
-    /// Reference at samples all over the targets at `places`, given about the squares of their
-    /// fields as `strengths`. A third of them is uniform, a third as frequent as the field is
-    /// strong and a third as its square, because few targets may hold most of the sum of squares.
-    pub(super) fn new(cloud: &Cloud, places: &[Vec<f64>; 3], strengths: &[f64]) -> Self {
+    /// Reference at samples all over the targets of a `tree` at `places`, given about the squares
+    /// of their fields as `strengths`. A third of them is uniform, a third as frequent as the field
+    /// is strong and a third as its square, because few targets may hold most of the sum of
+    /// squares. Beside them are the targets at the rims of cells, where they are not many: there
+    /// expansions err most, in a small cloud by more than at all other targets together.
+    pub(super) fn new(
+        cloud: &Cloud,
+        places: &[Vec<f64>; 3],
+        strengths: &[f64],
+        tree: &Octree,
+    ) -> Self {
         let targets = strengths.len();
         let wanted = wanted(cloud.len(), targets);
+        let rims = if 4 * tree.cells.len() <= wanted { rims(tree, places) } else { Vec::new() };
         let totals = |part: &[f64]| part.iter().fold([0.0; 2], |[a, b], s| [a + s, b + s.sqrt()]);
         let parts: Vec<_> = strengths.par_chunks(TARGETS_PER_PART).map(totals).collect();
         let all = parts.iter().fold([0.0; 2], |[a, b], part| [a + part[0], b + part[1]]);
@@ -36,7 +57,7 @@ impl Reference {
         let chance = |count: usize, [a, b]: [f64; 2]| {
             (count as f64 / targets as f64 + share(a, all[0]) + share(b, all[1])) / 3.0
         };
-        let (mut samples, mut weights) = (Vec::new(), Vec::new());
+        let mut sampled: Vec<_> = rims.iter().map(|&rim| (rim, 1.0)).collect();
         let (mut picks, mut end) = (0, 0.0);
         // The golden ratio spreads the places within equal parts evenly.
         let place = |k: usize| (k as f64 + (k as f64 * 0.618_033_988_75).fract()) / wanted as f64;
@@ -55,12 +76,14 @@ impl Reference {
                 while picks < wanted && place(picks) < passed {
                     picks += 1;
                 }
-                if picks > before {
-                    samples.push(k * TARGETS_PER_PART + i);
-                    weights.push((picks - before) as f64 / (chance * wanted as f64));
+                let target = k * TARGETS_PER_PART + i;
+                if picks > before && rims.binary_search(&target).is_err() {
+                    sampled.push((target, (picks - before) as f64 / (chance * wanted as f64)));
                 }
             }
         }
+        sampled.sort_unstable_by_key(|(target, _)| *target);
+        let (samples, weights): (Vec<usize>, Vec<f64>) = sampled.into_iter().unzip();
         let places = [0, 1, 2].map(|d| samples.iter().map(|&k| places[d][k]).collect());
         let sums = direct_sums(cloud, 0.0, &places);
         Self { samples, weights, sums }

@@ -184,7 +184,7 @@ impl<E: Coefficient> PointSum<'_, E> {
         if tolerance > 0.0 && (n * m < 4_000_000 || m < 2 * wanted(n, m)) {
             return Ok(direct());
         }
-        let reference = Reference::new(self.cloud, self.places, &self.strengths());
+        let reference = Reference::new(self.cloud, self.places, &self.strengths(), self.targets);
         let guess = guess(self.plan.accuracy);
         let (order, multipoles, error) = if tolerance > 0.0 {
             let multipoles = |order| {

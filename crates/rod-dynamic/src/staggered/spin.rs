@@ -13,6 +13,9 @@
 //! by `a dtheta`, `a = (t0 + t) / (1 + t0 t)`: the holonomy of parallel transport (Bergou et al.
 //! 2008). Newton's matrix has `J c1 a a^T` of it, without the gyroscopic part, which is not
 //! symmetric.
+//!
+//! Whole turns are those of a whole fibre: between two segments a joint would resist them, but its
+//! rotation vector does not tell them, and what one segment alone had of them would never end.
 
 use super::array::{store, store_quat};
 use super::chain::RotationChain;
@@ -103,8 +106,21 @@ impl<S: Simd> RotationChain<S> {
         let (before, axis) = (self.directors_before(e), q.directors()[2]);
         let about = axis.dot(turn);
         let to = q.turned_by(turn - axis.scale(about)).spun_by(about);
-        let expected = known + gradient(before[2], axis).dot(turn);
+        let expected = self.tied(e, known + gradient(before[2], axis).dot(turn));
         (to, spin(before, to.directors(), expected))
+    }
+
+    /// Spin of segment `e` over the step, rad, without the whole turns that it is ahead of the
+    /// segment before, or of a root that is clamped and turns by less than half a turn.
+    #[inline(always)]
+    fn tied(&self, e: usize, spin: Lane<S>) -> Lane<S> {
+        let (before, joined) = if e > 0 {
+            (self.one(&self.kept.spin, e - 1), spin.lift(1.0))
+        } else {
+            (spin.lift(0.0), Lane::new(self.simd, self.ends.root_joint))
+        };
+        let turns = ((spin - before) * spin.lift(1.0 / TAU)).round();
+        joined.positive().select(turns.mul_add(spin.lift(-TAU), spin), spin)
     }
 
     /// A vector that turns segment `e` as the step does, but for terms of higher order in the
@@ -199,6 +215,7 @@ impl<S: Simd> SimdBatch<S> {
     #[inline(always)]
     pub(super) fn spin_ahead(&mut self, stage: &Stage<S>, e: usize, chord: V3<S>, wanted: Lane<S>) {
         let spin = stage.predict(self.directors.rates(&self.chain, 2 * e + 1)).0.0[0];
+        let spin = self.chain.tied(e, spin);
         let swing = self.chain.directors_before(e)[2].cross(chord);
         self.chain.turn(e, swing, wanted);
         let q = Quat::load(self.chain.simd, &self.chain.q, e);
