@@ -1,4 +1,4 @@
-use crate::{RodError, StepError};
+use crate::{Restraint, RodError, StepError, Support};
 use nalgebra::{Isometry3, Point3, Vector3};
 use rapunzel_fiber::Fiber;
 
@@ -45,6 +45,9 @@ pub enum End {
         /// Moment on the rod, N m.
         moment: Load,
     },
+    /// Each of the six freedoms is held, sprung or free by itself. The integrator of the staggered
+    /// chain has such ends, [`crate::BoxIntegrator`] and the linear analysis refuse them.
+    Supported(Support),
 }
 
 impl End {
@@ -55,6 +58,18 @@ impl End {
     #[must_use]
     pub fn pinned(position: Point3<f64>) -> Self {
         Self::Pinned { position, moment: Load::ZERO }
+    }
+
+    /// Whether the position is prescribed whole.
+    #[must_use]
+    pub fn holds_position(&self) -> bool {
+        match self {
+            Self::Held(_) | Self::Pinned { .. } => true,
+            Self::Loaded { .. } => false,
+            Self::Supported(support) => {
+                support.translations.iter().all(|one| *one == Restraint::Held)
+            }
+        }
     }
 }
 
@@ -162,6 +177,7 @@ impl Instant {
             End::Loaded { force, moment } => {
                 [force, moment].into_iter().map(Load::components).all(finite)
             }
+            End::Supported(support) => support.is_sound(),
         };
         let air_is_sound = |Air { wind, drag: Drag { normal, tangential } }: &Air| {
             finite(wind) && normal >= tangential && *tangential >= 0.0 && normal.is_finite()
@@ -179,7 +195,8 @@ impl Instant {
                 fiber: 0,
                 what,
                 time,
-                why: "every number must be finite, and 0 <= tangential <= normal drag",
+                why: "every number must be finite, stiffness not negative, and \
+                      0 <= tangential <= normal drag",
             }),
         }
     }

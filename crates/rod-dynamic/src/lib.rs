@@ -12,6 +12,7 @@ mod moments;
 mod response;
 mod rod;
 mod staggered;
+mod support;
 
 pub use adaptive::AdaptiveReport;
 pub use box_scheme::{BoxIntegrator, BoxOptions, Coefficients};
@@ -27,3 +28,4 @@ pub use staggered::{
     EquilibriumError, FittedFiber, Staggered, StaggeredBatch, bounded_natural_curvatures,
     equilibrium, fitted, fitted_end_load, natural_curvatures,
 };
+pub use support::{Restraint, Support};

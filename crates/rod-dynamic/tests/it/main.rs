@@ -29,3 +29,4 @@ mod staggered_robust;
 mod staggered_spin;
 mod staggered_statics;
 mod staggered_swing;
+mod supported_ends;
