@@ -93,8 +93,8 @@ impl FiberConditions {
         (0..count).map(|i| self.taken.get(i).copied().flatten())
     }
 
-    /// Lets grippers take the tip for the step whose middle is at a time, s, if they have not yet, and
-    /// let it go; `tip` tells its pose.
+    /// Lets grippers take the tip for the step whose middle is at a time, s, if they have not yet,
+    /// and let it go; `tip` tells its pose.
     pub(crate) fn grip(&mut self, middle: f64, tip: impl Fn() -> Isometry3<f64>) {
         let grippers = &self.bundle.bundle.grippers;
         self.taken.resize(grippers.len(), None);

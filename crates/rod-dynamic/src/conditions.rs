@@ -1,28 +1,6 @@
-use crate::{Restraint, RodError, StepError, Support};
+use crate::{EndSupport, Load, Restraint, RodError, StepError};
 use nalgebra::{Isometry3, Point3, Vector3};
 use rapunzel_fiber::Fiber;
-
-/// A force or a moment at an end of a rod.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Load {
-    /// Components in the world frame; the direction stays.
-    World(Vector3<f64>),
-    /// Components in the material frame of the end; the direction follows the rod.
-    Follower(Vector3<f64>),
-}
-
-impl Load {
-    /// No load.
-    pub const ZERO: Self = Self::World(Vector3::new(0.0, 0.0, 0.0));
-
-    /// Components as given, whatever the frame.
-    #[must_use]
-    pub fn components(&self) -> &Vector3<f64> {
-        match self {
-            Self::World(v) | Self::Follower(v) => v,
-        }
-    }
-}
 
 /// Boundary condition at one end of a rod.
 ///
@@ -47,7 +25,7 @@ pub enum End {
     },
     /// Each of the six freedoms is held, sprung or free by itself. The integrator of the staggered
     /// chain has such ends, [`crate::BoxIntegrator`] and the linear analysis refuse them.
-    Supported(Support),
+    Supported(EndSupport),
 }
 
 impl End {

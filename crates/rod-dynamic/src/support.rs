@@ -28,7 +28,7 @@ impl Restraint {
 /// support: their work is the support's. A rotation that a spring resists must stay below half a
 /// turn.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Support {
+pub struct EndSupport {
     /// The pose that held freedoms have and that springs pull to, world.
     pub pose: Isometry3<f64>,
     /// The three axes: the rotation that takes the world's axes to them.
@@ -64,7 +64,7 @@ impl Restraints {
     }
 }
 
-impl Support {
+impl EndSupport {
     /// Of the whole force (N) and moment (N m) on an end, world, what is not its load; the material
     /// frame of the end is `frame`. The moment is zero where all rotations are free.
     #[must_use]

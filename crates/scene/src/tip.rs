@@ -1,7 +1,7 @@
 use super::check::{Allowed, Check};
+use super::freedom::{Freedom, Freedoms, SupportAxes};
 use super::load::TimedLoad;
 use super::motion::Motion;
-use super::restraint::{Freedoms, Restraint, SupportAxes};
 use super::speed::check_velocity;
 use nalgebra::{Isometry3, Point3};
 use rapunzel_rod_dynamic as rod;
@@ -96,11 +96,11 @@ pub enum JointKind {
         axes: SupportAxes,
         /// Displacements along the axes.
         #[serde(default)]
-        translations: [Restraint; 3],
+        translations: [Freedom; 3],
         /// Rotations about the axes: the components of the rotation vector from where the end would
         /// be if it were clamped.
         #[serde(default)]
-        rotations: [Restraint; 3],
+        rotations: [Freedom; 3],
         /// Force on the fibre, N, along translations that are not held.
         #[serde(default)]
         force: TimedLoad,
@@ -138,7 +138,7 @@ impl JointKind {
             Self::Ball { .. } => Some(false),
             Self::Free | Self::Loaded { .. } => None,
             Self::Supported { rotations, .. } => {
-                Some(rotations.iter().all(|one| *one == Restraint::Held))
+                Some(rotations.iter().all(|one| *one == Freedom::Held))
             }
         }
     }

@@ -3,8 +3,8 @@
 //! A shape ([`Helix`], [`Sine`]) bends a fibre: it sets the natural curvature and turns the root,
 //! and leaves lengths, sections and materials as they are. A straight fibre is
 //! [`crate::Fiber::uniform`] at a [`root_pose`]; an [`Overhand`] knot, or any [`LongKnot`], gives
-//! positions for the nodes of a straight fibre, and so do an [`OpenCurve`] and the [`Wound`] ones. An [`Ellipse`] places roots, [`bundle`] and
-//! [`Lock`] grow fibres from them.
+//! positions for the nodes of a straight fibre, and so do an [`OpenCurve`] and a fibre that is
+//! [`Wound`]. An [`Ellipse`] places roots, [`bundle`] and [`Lock`] grow fibres from them.
 //!
 //! Random choices come from `Pcg64Mcg` with the seed that is given: the same seed gives the same
 //! bits.

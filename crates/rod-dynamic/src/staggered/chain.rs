@@ -19,7 +19,7 @@ use super::factor::{DiagonalBlock, Right, close};
 use super::joint_geometry::{JointEffect, combine, director_hessian, hat};
 use super::laws::Laws;
 use super::model::BatchModel;
-use super::supports::Supports;
+use super::supports::BothSupports;
 use super::workspace::{BatchWorkspace, Kept};
 use pulp::Simd;
 use rapunzel_lanes::{Lane, Quat, Sym, V3};
@@ -35,7 +35,7 @@ pub(super) struct RotationChain<S: Simd> {
     pub(super) model: Arc<BatchModel<S>>,
     pub(super) ends: Ends<S>,
     /// Supports whose freedoms are held one by one, once any lane has had one.
-    pub(super) supports: Option<Box<Supports<S>>>,
+    pub(super) supports: Option<Box<BothSupports<S>>>,
     /// Section laws in place of the stiffness and natural rotations in `room`, if any lane has
     /// them.
     pub(super) laws: Option<Box<Laws<S>>>,

@@ -4,10 +4,10 @@ use super::array::{self, at, set};
 use super::ends::EndKind;
 use super::scheme::Scheme;
 use super::simd_batch::SimdBatch;
-use super::supports::EndSupport;
+use super::supports::SupportLanes;
 use crate::joint::Joint;
 use crate::support::Restraints;
-use crate::{End, Impulses, Instant, Load, Restraint, Rod, RodState, Support};
+use crate::{End, EndSupport, Impulses, Instant, Load, Restraint, Rod, RodState};
 use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
 use pulp::Simd;
 use rapunzel_fiber::so3;
@@ -178,7 +178,7 @@ impl<S: Simd> SimdBatch<S> {
         if !needed && self.chain.supports.is_none() {
             return;
         }
-        let loose = Support {
+        let loose = EndSupport {
             pose: Isometry3::identity(),
             axes: UnitQuaternion::identity(),
             translations: [Restraint::Free; 3],
@@ -188,7 +188,8 @@ impl<S: Simd> SimdBatch<S> {
         };
         let ends = [ends[0].or(hangs.then_some(&loose)), ends[1]];
         let frames = [0, 1].map(|k| self.end_frame(lane, k, [&now.root, &now.tip][k]));
-        let supports = self.chain.supports.get_or_insert_with(|| Box::new([EndSupport::none(); 2]));
+        let supports =
+            self.chain.supports.get_or_insert_with(|| Box::new([SupportLanes::none(); 2]));
         for (k, support) in ends.into_iter().enumerate() {
             supports[k].set(lane, support, hangs && k == 0);
             let Some(frame) = frames[k] else { continue };
@@ -234,7 +235,7 @@ pub(super) fn ahead(end: &End, turn: &Vector3<f64>) -> End {
             // The moment on a frame that is unknown follows that frame itself.
             let free = Restraints::of(&support.rotations) == Restraints::Free;
             let moment = if free { moved(&support.moment) } else { support.moment };
-            End::Supported(Support { force: moved(&support.force), moment, ..*support })
+            End::Supported(EndSupport { force: moved(&support.force), moment, ..*support })
         }
         _ => *end,
     }

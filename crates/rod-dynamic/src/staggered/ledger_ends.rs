@@ -62,8 +62,8 @@ impl<S: Simd> SimdBatch<S> {
         }
     }
 
-    /// Books the reactions of the end `k` to a moment of the joint on it, before and after the step,
-    /// along the `turn` of its frame, which is `frame` after it.
+    /// Books the reactions of the end `k` to a moment of the joint on it, before and after the
+    /// step, along the `turn` of its frame, which is `frame` after it.
     #[inline(always)]
     pub(super) fn book_end_turn(
         &self,

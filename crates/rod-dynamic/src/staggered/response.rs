@@ -13,7 +13,7 @@ use super::factor::{DiagonalBlock, Factor, Right, WeightedFactor};
 use super::joint_geometry::hat;
 use super::scheme::{Stage, StepProblem};
 use super::simd_batch::SimdBatch;
-use super::supports::Supports;
+use super::supports::BothSupports;
 use super::workspace::BatchWorkspace;
 use crate::Point;
 use nalgebra::Vector3;
@@ -67,7 +67,7 @@ fn answer<S: Simd, const K: usize>(
     stage: &Stage<S>,
     factor: &Factor<S>,
     right: &Right<S>,
-    ends: Option<(&Supports<S>, bool)>,
+    ends: Option<(&BothSupports<S>, bool)>,
     from: usize,
     [values, turns, loads, solution]: [&mut [S::f64s]; 4],
 ) {
@@ -128,7 +128,7 @@ fn answer<S: Simd, const K: usize>(
 /// end, by the mobility that a support of freedoms leaves; the flag says whether with added masses.
 #[inline(always)]
 fn moved<S: Simd>(
-    ends: Option<(&Supports<S>, bool)>,
+    ends: Option<(&BothSupports<S>, bool)>,
     [a, n]: [usize; 2],
     [w, rate]: [Lane<S>; 2],
     force: V3<S>,

@@ -11,7 +11,7 @@
 use super::array::{store, store_quat};
 use super::chain::RotationChain;
 use super::joint_geometry::{JointEffect, combine, hat, slope_of_log};
-use super::supports::{EndSupport, Supports};
+use super::supports::{BothSupports, SupportLanes};
 use pulp::Simd;
 use rapunzel_lanes::{Lane, M3, Quat, Sym, V3};
 
@@ -21,7 +21,7 @@ impl<S: Simd> RotationChain<S> {
     #[inline(always)]
     pub(super) fn supported_root(
         &self,
-        supports: &Supports<S>,
+        supports: &BothSupports<S>,
         position: V3<S>,
         [root_force, tip_force]: [V3<S>; 2],
     ) -> V3<S> {
@@ -67,7 +67,7 @@ impl<S: Simd> RotationChain<S> {
     #[inline(always)]
     pub(super) fn supported_tip(
         &self,
-        tip: &EndSupport<S>,
+        tip: &SupportLanes<S>,
         position: V3<S>,
         balance: V3<S>,
         [force, gap]: [V3<S>; 2],

@@ -3,18 +3,18 @@
 use super::array::{at, set};
 use super::joint_geometry::combine;
 use crate::support::Restraints;
-use crate::{Load, Restraint, Support};
+use crate::{EndSupport, Load, Restraint};
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use pulp::Simd;
 use pulp::bytemuck::Zeroable;
 use rapunzel_lanes::{Lane, M3, Sym, V3};
 
 /// Supports of the root and of the tip.
-pub(super) type Supports<S> = [EndSupport<S>; 2];
+pub(super) type BothSupports<S> = [SupportLanes<S>; 2];
 
 /// The support of one end in all lanes; zero in lanes without one.
 #[derive(Clone, Copy)]
-pub(super) struct EndSupport<S: Simd> {
+pub(super) struct SupportLanes<S: Simd> {
     /// 1 where displacements are supported one by one.
     pub(super) shifts: S::f64s,
     /// 1 where rotations are, so that the frame of the end is unknown.
@@ -44,7 +44,7 @@ pub(super) struct EndSupport<S: Simd> {
     pub(super) dragged: [S::f64s; 9],
 }
 
-impl<S: Simd> EndSupport<S> {
+impl<S: Simd> SupportLanes<S> {
     pub(super) fn none() -> Self {
         let o = S::f64s::zeroed();
         Self {
@@ -67,10 +67,9 @@ impl<S: Simd> EndSupport<S> {
 
     /// Sets one lane to a support, or to none. One that `hangs` on a held tip has free
     /// displacements that follow from the reaction there.
-    pub(super) fn set(&mut self, lane: usize, support: Option<&Support>, hangs: bool) {
-        let parts = support.map(|support| {
-            [&support.translations, &support.rotations].map(Restraints::of)
-        });
+    pub(super) fn set(&mut self, lane: usize, support: Option<&EndSupport>, hangs: bool) {
+        let parts =
+            support.map(|support| [&support.translations, &support.rotations].map(Restraints::of));
         let mixed = |i: usize| {
             parts.is_some_and(|parts| parts[i] == Restraints::Mixed) || (hangs && i == 0)
         };
@@ -79,7 +78,7 @@ impl<S: Simd> EndSupport<S> {
         };
         flag(&mut self.shifts, mixed(0));
         flag(&mut self.turns, mixed(1));
-        let none = Support {
+        let none = EndSupport {
             pose: Isometry3::identity(),
             axes: UnitQuaternion::identity(),
             translations: [Restraint::Held; 3],

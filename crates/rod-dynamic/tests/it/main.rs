@@ -30,3 +30,4 @@ mod staggered_spin;
 mod staggered_statics;
 mod staggered_swing;
 mod supported_ends;
+mod supported_response;

@@ -1,24 +1,20 @@
 //! Ends whose six freedoms are held, sprung, free or loaded one by one.
 
-use crate::common::{response_matrix, set_out_and_solve};
 use Restraint::{Free, Held, Sprung};
-use nalgebra::{
-    DMatrix, Isometry3, Matrix3, SymmetricEigen, Translation3, UnitQuaternion, Vector3,
-};
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use rapunzel_fiber::{Fiber, Material, Section};
 use rapunzel_rod_dynamic::{
-    Conditions, End, ImpulseResponse, Impulses, Instant, Ledger, Load, Point, Restraint, Rod,
-    RodIntegrator, RodStepReport, Staggered, StaggeredBatch, Steady, StepError, Support,
-    elastic_moments, equilibrium,
+    Conditions, End, EndSupport, Instant, Ledger, Load, Restraint, Rod, RodIntegrator,
+    RodStepReport, Staggered, StaggeredBatch, Steady, StepError, elastic_moments, equilibrium,
 };
 use std::f64::consts::TAU;
 
-const LENGTH: f64 = 0.1;
+pub(crate) const LENGTH: f64 = 0.1;
 const RADIUS: f64 = 5e-4;
 const MATTER: Material = Material { density: 1000.0, youngs_modulus: 1e7, shear_modulus: 4e6 };
 
 /// A straight rod along the world's z from the origin on.
-fn rod(segments: usize, damping_time: f64) -> Rod {
+pub(crate) fn rod(segments: usize, damping_time: f64) -> Rod {
     let fiber = Fiber::uniform(LENGTH, segments, Section::Circle { radius: RADIUS }, &MATTER)
         .expect("a valid fibre");
     Rod::damped(fiber, damping_time)
@@ -33,8 +29,12 @@ fn torsion() -> f64 {
 }
 
 /// A support at a place on the z axis, with the world's axes.
-fn support(z: f64, translations: [Restraint; 3], rotations: [Restraint; 3]) -> Support {
-    Support {
+pub(crate) fn support(
+    z: f64,
+    translations: [Restraint; 3],
+    rotations: [Restraint; 3],
+) -> EndSupport {
+    EndSupport {
         pose: Isometry3::translation(0.0, 0.0, z),
         axes: UnitQuaternion::identity(),
         translations,
@@ -44,12 +44,12 @@ fn support(z: f64, translations: [Restraint; 3], rotations: [Restraint; 3]) -> S
     }
 }
 
-fn weightless() -> Instant {
+pub(crate) fn weightless() -> Instant {
     Instant::clamped(Isometry3::identity(), Vector3::zeros())
 }
 
-/// Takes steps with a ledger; returns the sum of its entries and the largest share of a step's
-/// energies that its books miss.
+/// Takes steps with a ledger; returns the sum of its entries, and the share of all that was turned
+/// over that its books miss.
 fn booked(
     batch: &mut StaggeredBatch,
     dt: f64,
@@ -57,16 +57,14 @@ fn booked(
     conditions: &dyn Conditions,
 ) -> (Ledger, f64) {
     batch.keep_ledgers(true);
-    let (mut sum, mut missed) = (Ledger::default(), 0.0_f64);
-    let mut turned = 0.0;
+    let (mut sum, mut turned) = (Ledger::default(), 0.0);
     for _ in 0..steps {
         batch.step(dt, &[conditions], &mut [RodStepReport::default()]).expect("a step");
         let one = batch.ledger(0).expect("kept");
         turned += one.kinetic.abs() + one.elastic.abs() + one.supports.abs() + one.loads.abs();
         sum += one;
     }
-    missed = missed.max((sum.gain() - sum.work()).abs() / turned);
-    (sum, missed)
+    (sum, (sum.gain() - sum.work()).abs() / turned)
 }
 
 /// A rod on a spring along its axis is a mass on a spring: the phase after a period is wrong by the
@@ -155,7 +153,7 @@ fn a_hinge_turns_about_its_axis_only() {
     }
     // A moment about the axis: the rod gains the angular momentum `M t` about the hinge.
     let moment = 1e-6;
-    let turned = Support { moment: Load::World(moment * Vector3::x()), ..hinge };
+    let turned = EndSupport { moment: Load::World(moment * Vector3::x()), ..hinge };
     let conditions = Steady(Instant { root: End::Supported(turned), ..weightless() });
     let mut batch = StaggeredBatch::new(vec![own.clone()], 0.9).expect("a batch");
     let (dt, steps) = (1e-4, 400);
@@ -207,7 +205,7 @@ fn the_books_of_led_and_sprung_ends_close() {
     let frame = UnitQuaternion::from_rotation_matrix(&start.frames[15]);
     let conditions = |t: f64| {
         let s = (40.0 * t).sin();
-        let root = Support {
+        let root = EndSupport {
             pose: Isometry3::from_parts(
                 Translation3::from(1e-3 * s * Vector3::new(1.0, -1.0, 0.5)),
                 UnitQuaternion::from_scaled_axis(0.2 * s * Vector3::new(0.3, 1.0, -0.5)),
@@ -218,7 +216,7 @@ fn the_books_of_led_and_sprung_ends_close() {
             force: Load::Follower(Vector3::new(1e-5, 0.0, -2e-5)),
             moment: Load::ZERO,
         };
-        let tip = Support {
+        let tip = EndSupport {
             pose: Isometry3::from_parts(
                 Translation3::from(place + 2e-3 * (1.0 - (30.0 * t).cos()) * Vector3::x()),
                 UnitQuaternion::from_scaled_axis(0.3 * s * Vector3::y()) * frame,
@@ -236,10 +234,9 @@ fn the_books_of_led_and_sprung_ends_close() {
             ..Instant::clamped(Isometry3::identity(), gravity)
         }
     };
-    for mut batch in [
-        StaggeredBatch::new(vec![own.clone()], 0.5).expect("a batch"),
-        StaggeredBatch::backward_euler(vec![own.clone()]).expect("a batch"),
-    ] {
+    let second_order = StaggeredBatch::new(vec![own.clone()], 0.5);
+    for batch in [second_order, StaggeredBatch::backward_euler(vec![own])] {
+        let mut batch = batch.expect("a batch");
         let (sum, missed) = booked(&mut batch, 1e-3, 300, &conditions);
         println!("{sum:?}, missed {missed:e}");
         assert!(missed < 1e-10, "{missed:e}");
@@ -274,85 +271,12 @@ fn supports_of_whole_ends_are_the_usual_ends() {
     let pose = Staggered::new(own.clone()).expect("valid").state().tip(&own.fiber);
     let of = |translations, rotations| {
         let whole = support(0.0, [translations; 3], [rotations; 3]);
-        run(End::Supported(Support { pose, force: load, moment, ..whole }))
+        run(End::Supported(EndSupport { pose, force: load, moment, ..whole }))
     };
     let pinned = End::Pinned { position: pose.translation.vector.into(), moment };
     assert!(of(Held, Held) == run(End::Held(pose)));
     assert!(of(Held, Free) == run(pinned));
     assert!(of(Free, Free) == run(End::Loaded { force: load, moment }));
-}
-
-/// The answer to impulses is symmetric, semidefinite, has the diagonal blocks of its columns, also
-/// with weights, and is the derivative of a step.
-#[test]
-fn supported_ends_answer_impulses() {
-    const NODES: usize = 13;
-    let own = rod(12, 0.0);
-    let mut root = support(0.0, [Held, Sprung(0.02), Free], [Held, Free, Sprung(1e-6)]);
-    root.axes = UnitQuaternion::from_euler_angles(0.4, 0.2, -0.3);
-    let mut tip = support(LENGTH, [Sprung(0.1), Held, Free], [Free, Held, Held]);
-    tip.axes = UnitQuaternion::from_euler_angles(-0.2, 0.7, 0.1);
-    tip.force = Load::World(Vector3::new(2e-4, 0.0, 1e-4));
-    let gravity = Vector3::new(1.0, 0.0, -3.0);
-    let ends = [End::Supported(root), End::Supported(tip)];
-    let conditions = Steady(Instant { root: ends[0], tip: ends[1], gravity, ..weightless() });
-    let dt = 2e-3;
-    let mut batch = StaggeredBatch::new(vec![own], 0.3).expect("a batch");
-    for _ in 0..10 {
-        batch.step(dt, &[&conditions], &mut [RodStepReport::default()]).expect("a step");
-    }
-    let mut start = Vec::new();
-    batch.save(&mut start);
-    let none = vec![Vector3::zeros(); NODES];
-    set_out_and_solve(&mut batch, dt, &[&conditions], Impulses::on_nodes(&none)).expect("a step");
-    let points: Vec<Point> =
-        (0..12).map(|e| Point::on_axis(0, e, 0.0)).chain([Point::on_axis(0, 11, 1.0)]).collect();
-    let matrix = |batch: &mut StaggeredBatch, weighted: bool| -> DMatrix<f64> {
-        response_matrix(NODES, |impulses, velocities| {
-            let answered = if weighted {
-                batch.weighted_respond_at(&points, impulses, velocities)
-            } else {
-                batch.respond_at(&points, impulses, velocities)
-            };
-            answered.expect("lengths");
-        })
-    };
-    let w = matrix(&mut batch, false);
-    let masses = vec![1e-6; NODES];
-    batch.set_weights(&points, &masses).expect("masses");
-    let weighted = matrix(&mut batch, true);
-    // (W^-1 + M)^-1 = (E + W M)^-1 W.
-    let heavy = DMatrix::identity(3 * NODES, 3 * NODES) + 1e-6 * &w;
-    let right = heavy.lu().solve(&w).expect("regular");
-    assert!((weighted - &right).amax() < 1e-9 * right.amax());
-    assert!((&w - w.transpose()).amax() < 1e-12 * w.amax());
-    let smallest = SymmetricEigen::new(0.5 * (&w + w.transpose())).eigenvalues.min();
-    assert!(smallest > -1e-10 * w.amax(), "{smallest}");
-    let mut blocks = vec![Matrix3::zeros(); NODES];
-    let mut turns = vec![Matrix3::zeros(); NODES - 1];
-    batch.diagonal_blocks(&mut blocks, &mut turns).expect("lengths");
-    for (a, block) in blocks.iter().enumerate() {
-        let column = w.fixed_view::<3, 3>(3 * a, 3 * a);
-        assert!((block - column).amax() < 1e-11 * w.amax(), "node {a}");
-    }
-    for node in [0, 5, 12] {
-        let mut moved = [Vec::new(), Vec::new()];
-        let size = 1e-4 / w.amax();
-        for (sign, moved) in [1.0, -1.0].into_iter().zip(&mut moved) {
-            batch.restore(&start).expect("own numbers");
-            let mut impulses = none.clone();
-            impulses[node] = sign * size * Vector3::new(0.6, 0.5, -0.4);
-            set_out_and_solve(&mut batch, dt, &[&conditions], Impulses::on_nodes(&impulses))
-                .expect("a step");
-            batch.accept();
-            *moved = batch.state(0).positions;
-        }
-        for a in 0..NODES {
-            let found = (moved[0][a] - moved[1][a]) / (2.0 * size * dt);
-            let right = w.fixed_view::<3, 3>(3 * a, 3 * node) * Vector3::new(0.6, 0.5, -0.4);
-            assert!((found - right).norm() < 1e-4 * w.amax(), "impulse at {node}, node {a}");
-        }
-    }
 }
 
 /// A fibre with a supported tip does not change what others in its batch do, to the bit.
@@ -375,7 +299,7 @@ fn a_support_leaves_the_neighbours_alone() {
 
 #[test]
 fn supports_out_of_reach_and_springs_that_push_are_refused() {
-    let refused = |tip: Support| {
+    let refused = |tip: EndSupport| {
         let conditions = Steady(Instant { tip: End::Supported(tip), ..weightless() });
         let mut integrator = Staggered::new(rod(4, 0.0)).expect("valid");
         match integrator.step(1e-3, &conditions) {

@@ -8,9 +8,17 @@ use rapunzel_fiber::generate::{OpenCurve, Wound, root_pose};
 use rapunzel_fiber::{Fiber, FiberError, so3};
 use rapunzel_rod_dynamic::RodState;
 
+/// A fibre, and where it lies at the start.
+pub(super) struct Laid {
+    pub(super) fiber: Fiber,
+    /// Its state, at rest; `None` for the natural one.
+    pub(super) state: Option<RodState>,
+    /// Pose of its tip, if it is known more exactly than by the state.
+    pub(super) tip: Option<Isometry3<f64>>,
+}
+
 /// The fibre of a bundle, which is `natural` but for its root, where its start puts it, and its
-/// state there, at rest, and the pose of the tip if the file has it more exactly; `None` for starts
-/// that do not say where the root is. `radius` is that of
+/// state there, at rest; `None` for starts that do not say where the root is. `radius` is that of
 /// the fibre, m.
 ///
 /// # Errors
@@ -21,7 +29,7 @@ pub(super) fn placed(
     natural: &Fiber,
     radius: f64,
     index: usize,
-) -> Result<Option<(Fiber, RodState, Option<Isometry3<f64>>)>, SimError> {
+) -> Result<Option<Laid>, SimError> {
     let invalid = |source: FiberError| SimError::Fiber { bundle: index, source };
     let lengths = natural.segment_lengths();
     let (nodes, twist) = match &bundle.initial {
@@ -29,7 +37,7 @@ pub(super) fn placed(
             let table = CurveTable::read(file, 1.0, index)?;
             let (fiber, state) =
                 in_frames(natural, &table, Vector3::zeros(), 0.0).map_err(invalid)?;
-            return Ok(Some((fiber, state, table.last())));
+            return Ok(Some(Laid { fiber, state: Some(state), tip: table.last() }));
         }
         Initial::Curve { file, scale, twist } => {
             let (at, twist) = (Vector3::from(bundle.root.position), twist.to_radians());
@@ -37,7 +45,7 @@ pub(super) fn placed(
                 let table = CurveTable::read(file, *scale, index)?;
                 let away = at - table.positions[0].coords;
                 let (fiber, state) = in_frames(natural, &table, away, twist).map_err(invalid)?;
-                return Ok(Some((fiber, state, None)));
+                return Ok(Some(Laid { fiber, state: Some(state), tip: None }));
             }
             let points = open_curve(file, *scale, index)?;
             let nodes = OpenCurve { points }.nodes(lengths).map_err(invalid)?;
@@ -68,7 +76,7 @@ pub(super) fn placed(
     if twist != 0.0 {
         twist_evenly(&fiber, &mut state, twist);
     }
-    Ok(Some((fiber, state, None)))
+    Ok(Some(Laid { fiber, state: Some(state), tip: None }))
 }
 
 /// The fibre and its state in the frames of a table, moved by `away`, m, and twisted by an angle,

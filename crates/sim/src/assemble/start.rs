@@ -1,7 +1,7 @@
 //! Fibres as the scene puts them.
 
 use super::groom::curves;
-use super::placed::{placed, untwisted};
+use super::placed::{Laid, placed, untwisted};
 use super::stage::BuildStage;
 use crate::SimError;
 use crate::curve::knot;
@@ -88,11 +88,15 @@ pub(super) fn starts(
     let seed = scene.seed.wrapping_add(index as u64);
     let (matter, laws) = matter(scene, bundle, index, 0.0)?;
     let invalid = |source| SimError::Fiber { bundle: index, source };
-    let laid_fibers: Vec<(Fiber, Option<RodState>, Option<Isometry3<f64>>)> = match &bundle.groom {
+    let laid_fibers: Vec<Laid> = match &bundle.groom {
         Some(groom) => {
             let curves = curves(groom, bundle, matter.thickest(), index, notes, at)?;
             let lay = |curve: &Vec<Point3<f64>>| {
-                along(curve, |lengths| matter.along(lengths)).map(|(f, s)| (f, Some(s), None))
+                along(curve, |lengths| matter.along(lengths)).map(|(fiber, state)| Laid {
+                    fiber,
+                    state: Some(state),
+                    tip: None,
+                })
             };
             curves.iter().map(lay).collect::<Result<_, _>>().map_err(invalid)?
         }
@@ -100,22 +104,21 @@ pub(super) fn starts(
             let course = course(bundle, index)?;
             let fibers = natural(bundle, &matter, seed).map_err(invalid)?.into_iter();
             let lay = |fiber: Fiber| {
-                if let Some((fiber, state, tip)) =
-                    placed(scene, bundle, &fiber, matter.middle_radius(), index)?
-                {
-                    return Ok((fiber, Some(state), tip));
+                let radius = matter.middle_radius();
+                if let Some(laid) = placed(scene, bundle, &fiber, radius, index)? {
+                    return Ok(laid);
                 }
                 let state = laid(&fiber, &bundle.initial, course.as_deref(), index)?;
-                Ok((fiber, state, None))
+                Ok(Laid { fiber, state, tip: None })
             };
             fibers.map(lay).collect::<Result<_, SimError>>()?
         }
     };
-    let longest = laid_fibers.iter().map(|(fiber, ..)| fiber.length()).fold(0.0, f64::max);
+    let longest = laid_fibers.iter().map(|laid| laid.fiber.length()).fold(0.0, f64::max);
     let conditions = BundleConditions::new(scene, bundle, longest, matter.middle_radius());
     let conditions = conditions.map_err(|source| SimError::Rod { bundle: index, source })?;
     let conditions = Arc::new(conditions);
-    let start = |(fiber, state, tip)| FiberStart {
+    let start = |Laid { fiber, state, tip }| FiberStart {
         bundle: index,
         state,
         tip,

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 /// What holds one freedom of a supported end.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub enum Restraint {
+pub enum Freedom {
     /// Nothing: only loads act.
     #[default]
     Free,
@@ -35,11 +35,11 @@ pub enum SupportAxes {
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(crate) struct Freedoms {
     pub(crate) axes: SupportAxes,
-    pub(crate) translations: [Restraint; 3],
-    pub(crate) rotations: [Restraint; 3],
+    pub(crate) translations: [Freedom; 3],
+    pub(crate) rotations: [Freedom; 3],
 }
 
-impl Restraint {
+impl Freedom {
     fn of_rod(self) -> rod::Restraint {
         match self {
             Self::Free => rod::Restraint::Free,
@@ -57,14 +57,14 @@ impl Freedoms {
         pose: Isometry3<f64>,
         [force, moment]: [&TimedLoad; 2],
     ) -> rod::End {
-        rod::End::Supported(rod::Support {
+        rod::End::Supported(rod::EndSupport {
             pose,
             axes: match self.axes {
                 SupportAxes::World => UnitQuaternion::identity(),
                 SupportAxes::End => pose.rotation,
             },
-            translations: self.translations.map(Restraint::of_rod),
-            rotations: self.rotations.map(Restraint::of_rod),
+            translations: self.translations.map(Freedom::of_rod),
+            rotations: self.rotations.map(Freedom::of_rod),
             force: force.at(t),
             moment: moment.at(t),
         })
@@ -81,12 +81,12 @@ impl Freedoms {
             ("rotations", &self.rotations, "N m/rad", moment, "moment"),
         ] {
             for (i, one) in three.iter().enumerate() {
-                if let Restraint::Sprung { stiffness } = one {
+                if let Freedom::Sprung { stiffness } = one {
                     let field = format!("{field}[{i}].stiffness");
                     check.number(&field, *stiffness, Allowed::Positive, unit);
                 }
                 let loaded = load.frame == axes && load.value[i] != 0.0;
-                if *one == Restraint::Held && loaded {
+                if *one == Freedom::Held && loaded {
                     let message = format!(
                         "is {:?}, but {field}[{i}] is Held, so that the load does nothing; leave \
                          one out",
@@ -95,7 +95,7 @@ impl Freedoms {
                     check.refuse(&format!("{loads}.value[{i}]"), message);
                 }
             }
-            let all = three.iter().all(|one| *one == Restraint::Held);
+            let all = three.iter().all(|one| *one == Freedom::Held);
             if all && load.frame != axes && load.value != [0.0; 3] {
                 let message = format!("is given, but all {field} are Held; leave one out");
                 check.refuse(loads, message);
@@ -110,10 +110,10 @@ mod tests {
 
     #[test]
     fn a_freedom_that_is_held_and_loaded_is_named() {
-        let (free, held) = (Restraint::Free, Restraint::Held);
+        let (free, held) = (Freedom::Free, Freedom::Held);
         let mut freedoms = Freedoms {
             translations: [held, free, free],
-            rotations: [free, free, Restraint::Sprung { stiffness: -1.0 }],
+            rotations: [free, free, Freedom::Sprung { stiffness: -1.0 }],
             ..Freedoms::default()
         };
         let (mut force, moment) = (TimedLoad::default(), TimedLoad::default());
