@@ -5,7 +5,7 @@ use super::check::check_conditions;
 use super::scheme::StepProblem;
 use super::search::SearchOutcome;
 use crate::{Conditions, End, Instant, RodStepReport, StepError};
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Matrix3, Point3, Vector3};
 use rapunzel_lanes::LANES;
 
 /// Largest number of halvings of a step.
@@ -276,14 +276,16 @@ fn sets_out_smoothly(
     velocity: &Vector3<f64>,
     delta: f64,
 ) -> bool {
+    // The prescribed place, and the projector on what is prescribed of it.
     let place = |end: &End| match end {
-        End::Held(pose) => Some(pose.translation.vector),
-        End::Pinned { position, .. } => Some(position.coords),
+        End::Held(pose) => Some((pose.translation.vector, Matrix3::identity())),
+        End::Pinned { position, .. } => Some((position.coords, Matrix3::identity())),
         End::Loaded { .. } => None,
+        End::Supported(support) => Some((support.pose.translation.vector, support.held())),
     };
-    let (Some(first), Some(second)) = (place(now), place(then)) else { return true };
-    let jump = (first - position.coords) / delta - velocity;
-    let change = (second - 2.0 * first + position.coords) / delta;
+    let (Some((first, held)), Some((second, _))) = (place(now), place(then)) else { return true };
+    let jump = held * ((first - position.coords) / delta - velocity);
+    let change = held * ((second - 2.0 * first + position.coords) / delta);
     let speed = velocity.norm().max(((second - first) / delta).norm());
     jump.norm() <= change.norm() + 1e-9 * speed
 }

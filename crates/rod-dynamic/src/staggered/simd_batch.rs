@@ -182,7 +182,13 @@ impl<S: Simd> SimdBatch<S> {
             };
             self.chain.room.mu[a] =
                 if stage.problem == StepProblem::Rest { zero } else { mu }.value;
-            self.chain.kept.w[a] = held.positive().select(zero, mu.recip()).value;
+            let mut w = held.positive().select(zero, mu.recip());
+            if let (Some(both), true) = (&mut self.chain.supports, a == 0 || a == n) {
+                let support = &mut both[usize::from(a == n)];
+                support.set_mobility(mu, false);
+                w = Lane::new(simd, support.shifts).positive().select(zero, w);
+            }
+            self.chain.kept.w[a] = w.value;
             store(&mut self.chain.room.b, a, b);
         }
         self.chain.room.start.copy_from_slice(&self.r);

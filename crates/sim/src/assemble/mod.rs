@@ -4,6 +4,7 @@ mod batch;
 mod groom;
 mod groups;
 mod natural;
+mod placed;
 mod stage;
 mod start;
 mod still;
