@@ -8,7 +8,7 @@ use syn::{Attribute, Fields, Item, Meta};
 use xshell::Shell;
 
 /// Where the types are, in the order of the reference.
-const SOURCES: [&str; 17] = [
+const SOURCES: [&str; 18] = [
     "lib",
     "environment",
     "fibers",
@@ -20,6 +20,7 @@ const SOURCES: [&str; 17] = [
     "motion",
     "object",
     "grip",
+    "joint",
     "contact",
     "charging",
     "mass_spring",

@@ -21,6 +21,8 @@ templates![
     "lock-on-moving-root",
     "water-wave",
     "fishing-rod",
+    "joined/twisted-ring",
+    "joined/net",
     "contact/lock-on-ball",
     "contact/head",
     "contact/turned-head",

@@ -1,7 +1,7 @@
 use super::arrangement::Arrangement;
 use super::charging::Charge;
 use super::check::{Allowed, Check};
-use super::fiber_shape::{FiberShape, Initial};
+use super::fiber_shape::{Closing, FiberShape, Initial};
 use super::groom::{Groom, GroomShape};
 use super::material::{Law, MaterialSpec};
 use super::motion::Motion;
@@ -65,6 +65,9 @@ pub struct Bundle {
     /// Boundary condition at the tips.
     #[serde(default)]
     pub tip: Tip,
+    /// Closes each fibre to a ring; root and tip must then be free.
+    #[serde(default)]
+    pub closed: Option<Closing>,
     /// Point forces along the fibres.
     #[serde(default)]
     pub point_forces: Vec<PointForce>,
@@ -262,6 +265,7 @@ impl Bundle {
                 check.refuse(field, message.into());
             }
         };
+        refuse(self.closed.is_some(), "closed", "is not for the hairs of a groom: leave it out");
         let given = "is given by the groom: leave it out";
         refuse(self.length != 0.0, "length", given);
         refuse(self.shape != FiberShape::default(), "shape", given);

@@ -153,7 +153,7 @@ impl<S: Simd> SimdBatch<S> {
         Vector3::from_fn(|k, _| at(a, 3 * i + k, lane))
     }
 
-    fn rotation(&self, e: usize, lane: usize) -> UnitQuaternion<f64> {
+    pub(super) fn rotation(&self, e: usize, lane: usize) -> UnitQuaternion<f64> {
         quaternion(&self.chain.q, e, lane)
     }
 

@@ -5,11 +5,12 @@ use super::stage::BuildStage;
 use crate::SimError;
 use crate::curve::knot;
 use crate::scene::{Arrangement, Bundle, FiberMatter, FiberShape, Initial, Scene, scalp};
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Point3, Rotation3, UnitQuaternion, Vector3};
 use rapunzel_coupling::BundleConditions;
 use rapunzel_fiber::generate::{self, Ellipse, Helix, Lock, Overhand, Sine};
 use rapunzel_fiber::{Fiber, FiberError, NodeProperties, so3};
-use rapunzel_rod_dynamic::{End, Rod, RodIntegrator, RodState, SectionLaws, Staggered};
+use rapunzel_rod_dynamic::{End, Rod, RodError, RodIntegrator, RodState, SectionLaws, Staggered};
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
 /// One fibre of the scene, ready to be handed to an integrator.
@@ -85,15 +86,28 @@ pub(super) fn starts(
     let conditions = BundleConditions::new(scene, bundle, longest, matter.middle_radius());
     let conditions = conditions.map_err(|source| SimError::Rod { bundle: index, source })?;
     let conditions = Arc::new(conditions);
-    let start = |(fiber, state)| FiberStart {
-        bundle: index,
-        state,
-        velocity: Vector3::from(bundle.velocity),
-        rod: Rod { laws: laws.clone(), ..Rod::damped(fiber, bundle.damping_time) },
-        conditions: Arc::clone(&conditions),
-        end_load: End::FREE,
+    let turns = bundle.closed.map_or(0.0, |closing| closing.turns);
+    let start = |(fiber, mut state): (Fiber, Option<RodState>)| {
+        let rod = Rod { laws: laws.clone(), ..Rod::damped(fiber, bundle.damping_time) };
+        if turns != 0.0 {
+            let mut own = match state {
+                Some(state) => state,
+                None => Staggered::new(rod.clone())?.state(),
+            };
+            twist(&mut own, turns);
+            state = Some(own);
+        }
+        Ok(FiberStart {
+            bundle: index,
+            state,
+            velocity: Vector3::from(bundle.velocity),
+            rod,
+            conditions: Arc::clone(&conditions),
+            end_load: End::FREE,
+        })
     };
-    Ok(laid_fibers.into_iter().map(start).collect())
+    let all: Result<_, RodError> = laid_fibers.into_iter().map(start).collect();
+    all.map_err(|source| SimError::Rod { bundle: index, source })
 }
 
 /// A naturally straight fibre along a curve (world), m, and its state there, at rest; `nodes` gives
@@ -240,5 +254,22 @@ fn untwisted(fiber: &Fiber, nodes: &[Point3<f64>]) -> RodState {
         angular_velocities: vec![Vector3::zeros(); segments],
         forces: vec![Vector3::zeros(); segments],
         curvatures,
+    }
+}
+
+/// Twists a fibre that starts in a state evenly about its tangents by so many turns over its
+/// length.
+fn twist(state: &mut RodState, turns: f64) {
+    let segments = state.frames.len();
+    let step = TAU * turns / segments as f64;
+    for (e, frame) in state.frames.iter_mut().enumerate() {
+        let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), step * e as f64);
+        *frame = Rotation3::from(UnitQuaternion::from_rotation_matrix(frame) * turn);
+    }
+    let length = |e: usize| (state.positions[e + 1] - state.positions[e]).norm();
+    for a in 1..segments {
+        let [before, after] = [&state.frames[a - 1], &state.frames[a]];
+        let between = 0.5 * (length(a - 1) + length(a));
+        state.curvatures[a] = so3::log(&(before.inverse() * after)) / between;
     }
 }

@@ -15,6 +15,7 @@ mod crossing;
 mod drum;
 mod ends;
 mod grooms;
+mod joints;
 mod knot;
 mod laboratory;
 mod laws;
