@@ -18,9 +18,8 @@ const TURN_TOLERANCE: f64 = 1e-13;
 /// Increments below this, rad, that hardly fall any more are rounding.
 const NOISE: f64 = 1e-6;
 
-/// Responses to loads are computed anew where an increment is more than this part of the one
-/// before: else those of an iteration before will do.
-const SLOW: f64 = 0.1;
+/// After increments up to this, rad, responses to loads are as good as before.
+const SMALL: f64 = 1e-6;
 
 /// Why a part of a step could not be taken.
 enum PartFailure {
@@ -122,12 +121,12 @@ impl JoinedFibers {
         set_out.collect::<Vec<_>>().into_iter().collect::<Result<(), _>>()?;
         let (mut increments, mut before) = (Vec::new(), f64::INFINITY);
         let mut motions = vec![GroupMotion::default(); fibers.groups.len()];
-        let mut slow = true;
+        let mut anew = true;
         for iteration in 1..=JOINED_ITERATIONS {
             let groups = fibers.groups.par_iter_mut().zip(&network.groups).zip(&mut motions);
             let linearized: Vec<_> = groups
                 .map(|((group, joints), motion)| {
-                    group.linearize_joined(time, &joints.points, slow, motion)
+                    group.linearize_joined(time, &joints.points, anew, motion)
                 })
                 .collect();
             linearized.into_iter().collect::<Result<(), _>>()?;
@@ -158,10 +157,10 @@ impl JoinedFibers {
             increments.push(turn);
             let rounding = turn < NOISE && turn > 0.9 * before;
             // With responses of an earlier iteration joints converge linearly.
-            if expected_error(turn, before, slow) < TURN_TOLERANCE || rounding {
+            if expected_error(turn, before, anew) < TURN_TOLERANCE || rounding {
                 return Ok(iteration);
             }
-            slow = turn > SLOW * before;
+            anew = turn > SMALL;
             before = turn;
         }
         // No fibre is to blame alone: the first stands for all.
