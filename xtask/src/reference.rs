@@ -8,7 +8,7 @@ use syn::{Attribute, Fields, Item, Meta};
 use xshell::Shell;
 
 /// Where the types are, in the order of the reference.
-const SOURCES: [&str; 20] = [
+const SOURCES: [&str; 21] = [
     "lib",
     "environment",
     "fibers",
@@ -23,6 +23,7 @@ const SOURCES: [&str; 20] = [
     "motion",
     "object",
     "grip",
+    "joint",
     "contact",
     "charging",
     "mass_spring",

@@ -54,7 +54,7 @@ impl<B: RodBatch + ?Sized> FiberGroup<B> {
     }
 
     /// Sets the forces on nodes for the step from `time` by `dt`, s. Returns its middle.
-    fn load(&mut self, time: f64, dt: f64) -> Result<f64, StepError> {
+    pub(crate) fn load(&mut self, time: f64, dt: f64) -> Result<f64, StepError> {
         let middle = time + 0.5 * dt;
         self.follow_climate(time, dt)?;
         self.grip(middle);

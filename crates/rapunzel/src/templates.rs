@@ -22,6 +22,8 @@ templates![
     "water-wave",
     "fishing-rod",
     "twisting-machine",
+    "joined/twisted-ring",
+    "joined/net",
     "contact/lock-on-ball",
     "contact/head",
     "contact/turned-head",

@@ -5,6 +5,7 @@ pub mod box_scheme;
 mod conditions;
 mod error;
 mod joint;
+mod joint_load;
 mod ledger;
 #[cfg(feature = "modes")]
 mod linear;
@@ -19,6 +20,8 @@ pub use adaptive::AdaptiveReport;
 pub use box_scheme::{BoxIntegrator, BoxOptions, Coefficients};
 pub use conditions::{Air, Conditions, Drag, End, Instant, Steady};
 pub use error::{RodError, StepError};
+pub use joint::JointAction;
+pub use joint_load::{JointLoads, LoadPlace, LoadPoint};
 pub use ledger::Ledger;
 #[cfg(feature = "modes")]
 pub use linear::{Linearization, Mode, linearize};
@@ -28,6 +31,6 @@ pub use response::{ImpulseResponse, Impulses, Point, PointResponses};
 pub use rod::{Energy, Momentum, Rod, RodIntegrator, RodState, RodStepReport, SectionLaws};
 pub use staggered::{
     EquilibriumError, FittedFiber, Staggered, StaggeredBatch, bounded_natural_curvatures,
-    equilibrium, fitted, fitted_end_load, natural_curvatures,
+    equilibrium, expected_error, fitted, fitted_end_load, natural_curvatures,
 };
 pub use support::{EndSupport, Restraint};

@@ -147,6 +147,15 @@ pub enum ClosedCurve {
     File(PathBuf),
 }
 
+/// The closing of fibres to rings: the tip of each is spliced to its own root, where it must start.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Closing {
+    /// Turns of twist that are put in, spread evenly, beside those of the shape at the start; not
+    /// only whole ones.
+    pub turns: f64,
+}
+
 impl Initial {
     pub(super) fn check(&self, check: &mut Check) {
         match self {

@@ -1,7 +1,7 @@
 use super::arrangement::Arrangement;
 use super::charging::Charge;
 use super::check::{Allowed, Check};
-use super::fiber_shape::{FiberShape, Initial};
+use super::fiber_shape::{Closing, FiberShape, Initial};
 use super::gripper::Gripper;
 use super::groom::{Groom, GroomShape};
 use super::load::Profile;
@@ -77,6 +77,9 @@ pub struct Bundle {
     /// Grippers that take the tips and let them go, in the order of time.
     #[serde(default)]
     pub grippers: Vec<Gripper>,
+    /// Closes each fibre to a ring; root and tip must then be free.
+    #[serde(default)]
+    pub closed: Option<Closing>,
     /// Point forces along the fibres.
     #[serde(default)]
     pub point_forces: Vec<PointForce>,
@@ -316,6 +319,7 @@ impl Bundle {
                 check.refuse(field, message.into());
             }
         };
+        refuse(self.closed.is_some(), "closed", "is not for the hairs of a groom: leave it out");
         let given = "is given by the groom: leave it out";
         refuse(self.length != 0.0, "length", given);
         refuse(self.shape != FiberShape::default(), "shape", given);

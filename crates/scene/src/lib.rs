@@ -14,6 +14,7 @@ mod freedom;
 mod grip;
 mod gripper;
 mod groom;
+mod joint;
 mod load;
 mod locate;
 mod mass_spring;
@@ -40,12 +41,13 @@ pub use check::{SceneProblem, TextPlace};
 pub use contact::{Adhesion, ContactMethod, ContactSettings, FrictionLaw, FrictionSurface};
 pub use environment::{Environment, Wind};
 pub use error::SceneError;
-pub use fiber_shape::{ClosedCurve, FiberShape, Initial};
+pub use fiber_shape::{ClosedCurve, Closing, FiberShape, Initial};
 pub use fibers::{Bundle, Orientation, PointForce, Pose, Spin};
 pub use freedom::{Freedom, SupportAxes};
 pub use grip::{Grip, GripPlace};
 pub use gripper::Gripper;
 pub use groom::{Groom, GroomShape, GroomSource, GroomUpAxis, RootBall};
+pub use joint::{FiberJoint, JointHold, JointNode, JointPlace};
 pub use load::{LoadFrame, Profile, TimedLoad};
 pub use mass_spring::{
     Hold, Integrator, MassSpring, Model, NodeContacts, NodeLoad, NodePlaces, SpringBodyShape,
@@ -104,6 +106,9 @@ pub struct Scene {
     /// A mass-spring system in place of fibres.
     #[serde(default)]
     pub mass_spring: Option<MassSpring>,
+    /// Joints between fibres, which then cannot have `contact`.
+    #[serde(default)]
+    pub joints: Vec<FiberJoint>,
     /// Hands that pull at nodes.
     #[serde(default)]
     pub grips: Vec<Grip>,
@@ -337,6 +342,7 @@ impl Scene {
             self.check_wrapped(bundle, c);
         });
         check.each("objects", &self.objects, |c, object| object.check(c));
+        self.check_joints(check);
         check.each("grips", &self.grips, |c, grip| grip.check(c, self.segments_of(grip.fiber)));
         if let Some(contact) = &self.contact {
             check.within("contact", |c| contact.check(c));

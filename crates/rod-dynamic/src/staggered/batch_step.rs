@@ -255,7 +255,7 @@ impl StaggeredBatch {
     }
 
     /// The conditions of one fibre at `time`, validated.
-    fn conditions(
+    pub(super) fn conditions(
         &self,
         fiber: usize,
         time: f64,
@@ -269,7 +269,7 @@ impl StaggeredBatch {
 
 /// Whether the root's prescribed motion continues the velocity that the rod starts with, so that
 /// an acceleration at the start exists: compared are the first and the second difference quotient.
-fn sets_out_smoothly(
+pub(super) fn sets_out_smoothly(
     now: &End,
     then: &End,
     position: &Point3<f64>,

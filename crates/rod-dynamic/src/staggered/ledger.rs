@@ -185,6 +185,7 @@ impl<S: Simd> SimdBatch<S> {
         lines.gravity = lines.gravity + weight.dot(way);
         let loads = distributed.scale(length) + chain.vec_or_zero(&self.node_forces, a);
         lines.loads = lines.loads + loads.dot(way);
+        lines.joints = lines.joints + chain.vec_or_zero(&self.joint_forces, a).dot(way);
         // Ends: `before` is inertia less loads at the start of the step.
         if a == 0 || a == n {
             let forces = weight + loads + air(rates.v, rates.v, tangent);
@@ -205,11 +206,12 @@ impl<S: Simd> SimdBatch<S> {
         let zero = V3::splat(simd, 0.0);
         let force = chain.vec(&chain.force, e).scale(chain.one(&chain.model.h, e));
         lines.integrator = lines.integrator - force.dot(chord(2));
-        // Impulses beside the axis: their torque along the turn, of which the impulse along the
-        // rotation vector over the step is the work of contacts.
-        let mut torque = after[2].cross(force);
+        // Impulses beside the axis do work along the rotation vector over the step.
+        let joints = chain.vec_or_zero(&self.joint_moments, e);
+        lines.joints = lines.joints + joints.dot(turn);
+        let mut torque = after[2].cross(force) + joints;
         if !self.moments.is_empty() {
-            let pressed = chain.vec(&chain.room.torque, e);
+            let pressed = chain.vec(&chain.room.torque, e) - joints;
             let spin = self.step_rotation(e).scale(stage.dt.recip());
             let work = chain.vec(&self.moments, e).dot(spin);
             lines.contacts = lines.contacts + work;

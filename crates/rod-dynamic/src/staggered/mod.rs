@@ -30,7 +30,9 @@ mod erased_batch;
 mod factor;
 mod history;
 mod inputs;
+mod joined_step;
 mod joint_geometry;
+mod joint_loads;
 mod joints;
 mod laws;
 mod ledger;
@@ -58,4 +60,5 @@ pub use equilibrium::{EquilibriumError, equilibrium};
 pub use natural::{
     FittedFiber, bounded_natural_curvatures, fitted, fitted_end_load, natural_curvatures,
 };
+pub use search::expected_error;
 pub use single::Staggered;

@@ -11,7 +11,7 @@ use super::array::{Array, at, fit, set, store, zeros};
 use super::chain::RotationChain;
 use super::factor::{DiagonalBlock, Factor, Right, WeightedFactor};
 use super::joint_geometry::hat;
-use super::scheme::{Stage, StepProblem};
+use super::scheme::Stage;
 use super::simd_batch::SimdBatch;
 use super::supports::BothSupports;
 use super::workspace::BatchWorkspace;
@@ -155,7 +155,7 @@ impl<S: Simd> SimdBatch<S> {
             type Output = ();
             #[inline(always)]
             fn call(self) {
-                let stage = self.0.stage(&self.0.last_dt, StepProblem::Step);
+                let stage = self.0.stage(&self.0.last_dt, self.0.problem);
                 match self.1 {
                     Question::Respond(inertia, from) => {
                         self.0.solve_response(&stage, inertia, from);

@@ -6,13 +6,14 @@ use super::stage::BuildStage;
 use crate::SimError;
 use crate::curve::knot;
 use crate::scene::{Arrangement, Bundle, FiberMatter, FiberShape, Initial, Scene, scalp};
-use nalgebra::{Isometry3, Point3, Vector3};
+use nalgebra::{Isometry3, Point3, Rotation3, UnitQuaternion, Vector3};
 use rapunzel_coupling::{BundleConditions, FiberConditions};
 use rapunzel_fiber::generate::{self, Ellipse, Helix, Lock, Overhand, Sine};
-use rapunzel_fiber::{Fiber, FiberError, NodeProperties};
+use rapunzel_fiber::{Fiber, FiberError, NodeProperties, so3};
 use rapunzel_rod_dynamic::{
     End, Rod, RodError, RodIntegrator, RodState, SectionLaws, Staggered, equilibrium,
 };
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
 /// One fibre of the scene, ready to be handed to an integrator.
@@ -118,21 +119,34 @@ pub(super) fn starts(
     let conditions = BundleConditions::new(scene, bundle, longest, matter.middle_radius());
     let conditions = conditions.map_err(|source| SimError::Rod { bundle: index, source })?;
     let conditions = Arc::new(conditions);
-    let start = |Laid { fiber, state, tip }| FiberStart {
-        bundle: index,
-        state,
-        tip,
-        velocity: Vector3::from(bundle.velocity),
-        spin: (
-            Vector3::from(bundle.spin.rate.map(f64::to_radians)),
-            Point3::from(bundle.spin.about.unwrap_or(bundle.root.position)),
-        ),
-        velocities: bundle.velocities.iter().map(|v| Vector3::from(*v)).collect(),
-        rod: Rod { laws: laws.clone(), ..Rod::damped(fiber, bundle.damping_time) },
-        conditions: Arc::clone(&conditions),
-        end_load: End::FREE,
+    let turns = bundle.closed.map_or(0.0, |closing| closing.turns);
+    let start = |Laid { fiber, mut state, tip }| {
+        let rod = Rod { laws: laws.clone(), ..Rod::damped(fiber, bundle.damping_time) };
+        if turns != 0.0 {
+            let mut own = match state {
+                Some(state) => state,
+                None => Staggered::new(rod.clone())?.state(),
+            };
+            twist(&mut own, turns);
+            state = Some(own);
+        }
+        Ok(FiberStart {
+            bundle: index,
+            state,
+            tip,
+            velocity: Vector3::from(bundle.velocity),
+            spin: (
+                Vector3::from(bundle.spin.rate.map(f64::to_radians)),
+                Point3::from(bundle.spin.about.unwrap_or(bundle.root.position)),
+            ),
+            velocities: bundle.velocities.iter().map(|v| Vector3::from(*v)).collect(),
+            rod,
+            conditions: Arc::clone(&conditions),
+            end_load: End::FREE,
+        })
     };
-    let mut starts: Vec<_> = laid_fibers.into_iter().map(start).collect();
+    let starts: Result<Vec<_>, RodError> = laid_fibers.into_iter().map(start).collect();
+    let mut starts = starts.map_err(|source| SimError::Rod { bundle: index, source })?;
     for start in &mut starts {
         settle(start, bundle)?;
         check_velocities(start, index)?;
@@ -309,4 +323,21 @@ fn settle(start: &mut FiberStart, bundle: &Bundle) -> Result<(), SimError> {
     start.tip = Some(conditions.tip);
     start.state = Some(rest);
     Ok(())
+}
+
+/// Twists a fibre that starts in a state evenly about its tangents by so many turns over its
+/// length.
+fn twist(state: &mut RodState, turns: f64) {
+    let segments = state.frames.len();
+    let step = TAU * turns / segments as f64;
+    for (e, frame) in state.frames.iter_mut().enumerate() {
+        let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), step * e as f64);
+        *frame = Rotation3::from(UnitQuaternion::from_rotation_matrix(frame) * turn);
+    }
+    let length = |e: usize| (state.positions[e + 1] - state.positions[e]).norm();
+    for a in 1..segments {
+        let [before, after] = [&state.frames[a - 1], &state.frames[a]];
+        let between = 0.5 * (length(a - 1) + length(a));
+        state.curvatures[a] = so3::log(&(before.inverse() * after)) / between;
+    }
 }

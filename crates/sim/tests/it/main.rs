@@ -16,6 +16,7 @@ mod drum;
 mod ends;
 mod grippers;
 mod grooms;
+mod joints;
 mod knot;
 mod laboratory;
 mod laws;
