@@ -8,7 +8,7 @@ use syn::{Attribute, Fields, Item, Meta};
 use xshell::Shell;
 
 /// Where the types are, in the order of the reference.
-const SOURCES: [&str; 17] = [
+const SOURCES: [&str; 21] = [
     "lib",
     "environment",
     "fibers",
@@ -17,9 +17,13 @@ const SOURCES: [&str; 17] = [
     "material",
     "taper",
     "tip",
+    "freedom",
+    "load",
+    "gripper",
     "motion",
     "object",
     "grip",
+    "joint",
     "contact",
     "charging",
     "mass_spring",

@@ -34,7 +34,10 @@ const ARROWS: [(&str, &[&str]); 26] = [
         "scene",
         &["fiber", "hairgen", "keratin", "rod-dynamic", "electrostatics", "mass-spring", "export"],
     ),
-    ("coupling", &["fiber", "lanes", "keratin", "rod-dynamic", "collision", "contact", "scene"]),
+    (
+        "coupling",
+        &["fiber", "lanes", "linalg", "keratin", "rod-dynamic", "collision", "contact", "scene"],
+    ),
     (
         "charging",
         &["fiber", "keratin", "rod-static", "rod-dynamic", "collision", "electrostatics", "scene"],

@@ -60,6 +60,8 @@ pub struct FiberConditions {
     pub tip: Isometry3<f64>,
     /// Load on the tip where the bundle leaves it free.
     pub end_load: End,
+    /// Poses at which the grippers of the bundle have taken the tip, each while it holds.
+    pub taken: Vec<Option<Isometry3<f64>>>,
     /// Forces of hands on nodes, N, world; `None` as long as there never was a hand.
     pub pulls: Option<Vec<(usize, Vector3<f64>)>>,
 }
@@ -77,6 +79,34 @@ pub(crate) struct StepConditions<'a> {
 impl FiberConditions {
     pub(crate) fn during(&self, middle: f64) -> StepConditions<'_> {
         StepConditions { fiber: self, middle }
+    }
+
+    /// What acts on the fibre at time `t`, s, but for forces on nodes.
+    #[must_use]
+    pub fn at(&self, t: f64) -> Instant {
+        self.during(t).at(t)
+    }
+
+    /// Poses at which the grippers of the bundle hold the tip, `None` of those that do not.
+    pub(crate) fn grips(&self) -> impl Iterator<Item = Option<Isometry3<f64>>> {
+        let count = self.bundle.bundle.grippers.len();
+        (0..count).map(|i| self.taken.get(i).copied().flatten())
+    }
+
+    /// Lets grippers take the tip for the step whose middle is at a time, s, if they have not yet,
+    /// and let it go; `tip` tells its pose.
+    pub(crate) fn grip(&mut self, middle: f64, tip: impl Fn() -> Isometry3<f64>) {
+        let grippers = &self.bundle.bundle.grippers;
+        self.taken.resize(grippers.len(), None);
+        for (gripper, taken) in grippers.iter().zip(&mut self.taken) {
+            *taken = gripper.holds(middle).then(|| taken.unwrap_or_else(&tip));
+        }
+    }
+
+    /// The end that a gripper makes of the tip at time `t`, s, if one holds it.
+    fn gripped(&self, t: f64) -> Option<End> {
+        let mut all = self.bundle.bundle.grippers.iter().zip(&self.taken);
+        all.find_map(|(gripper, taken)| Some(gripper.end(t, taken.as_ref()?)))
     }
 
     /// The forces on all nodes at time `t` (s), N, world; `None` if there are none.
@@ -124,7 +154,7 @@ impl Conditions for StepConditions<'_> {
             gravity: environment.gravity_at(t),
             distributed: Vector3::zeros(),
             root: root_joint.end(t, motion.displacement(t, &start) * self.fiber.root),
-            tip,
+            tip: self.fiber.gripped(t).unwrap_or(tip),
             air: drag.map(|drag| Air { wind: environment.wind.at(t), drag }),
         }
     }

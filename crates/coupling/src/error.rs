@@ -1,6 +1,7 @@
 use crate::{BodyRef, Unresolved};
 use rapunzel_collision::CollisionError;
 use rapunzel_contact::ContactError;
+use rapunzel_linalg::LinalgError;
 use rapunzel_rod_dynamic::{RodError, StepError};
 use thiserror::Error;
 
@@ -61,6 +62,43 @@ pub enum CouplingError {
         dt: f64,
         /// Where contacts were farthest from their law, or deepest.
         worst: Option<Unresolved>,
+    },
+    /// A joint of nodes that do not meet at the start.
+    #[error(
+        "{joint} starts open by {gap:.2e} m, between {:?} and {:?} (m), and at most {most:.1e} m are \
+         allowed; let its two ends start at the same place",
+        places[0], places[1]
+    )]
+    JointOpen {
+        /// What it is called.
+        joint: String,
+        /// Distance of its nodes, m.
+        gap: f64,
+        /// The largest distance allowed, m.
+        most: f64,
+        /// Its nodes, m.
+        places: [[f64; 3]; 2],
+    },
+    /// A joint of nodes that are joined already.
+    #[error(
+        "{joint} joins what {other} joins already, alone or with others; leave one of them out"
+    )]
+    JointTwice {
+        /// What it is called.
+        joint: String,
+        /// The other one.
+        other: String,
+    },
+    /// Joints could not be solved.
+    #[error(
+        "the run stopped at t = {time} s: joints hold parts of fibres that cannot move against each \
+         other, or fibres are torn: {source}; take joints away, or set stepper.dt to less"
+    )]
+    Joints {
+        /// Start of the part of a step, s.
+        time: f64,
+        /// What the equations lack.
+        source: LinalgError,
     },
     /// Contacts could not be looked for.
     #[error("contacts cannot be found: {0}")]

@@ -145,6 +145,10 @@ impl<B: RodBatch + ?Sized> Fibers<B> {
             End::Loaded { .. } => [Vector3::zeros(); 2],
             End::Pinned { .. } => [force, Vector3::zeros()],
             End::Held(_) => [force, sign * elastic_moments(own, &state)[node]],
+            End::Supported(support) => {
+                let moment = sign * elastic_moments(own, &state)[node];
+                support.reaction([force, moment], &state.frames[segment])
+            }
         }
     }
 
@@ -201,7 +205,7 @@ impl<B: RodBatch + ?Sized> Fibers<B> {
         (0..self.groups.len() + 1).map(move |i| match self.groups.get(i) {
             Some(group) => {
                 let mut numbers = Vec::new();
-                group.batch.save(&mut numbers);
+                group.save(&mut numbers);
                 numbers
             }
             None => ledger.clone(),
@@ -221,7 +225,7 @@ impl<B: RodBatch + ?Sized> Fibers<B> {
             return Err(RodError::Length { what: "groups of fibers", expected, found }.into());
         }
         for (group, numbers) in self.groups.iter_mut().zip(groups) {
-            group.batch.restore(numbers)?;
+            group.restore(numbers)?;
         }
         if let Some(own) = &mut self.ledger {
             *own = EnergyLedger::from_numbers(ledger).ok_or(RodError::Length {

@@ -1,10 +1,14 @@
 use crate::StepReport;
 use crate::batch::RodBatch;
 use crate::conditions::{BundleConditions, FiberConditions};
+use nalgebra::{Isometry3, Quaternion, Rotation3, Translation3, UnitQuaternion};
 use rapunzel_rod_dynamic::{
-    self as rod, Conditions, Impulses, SectionLaws, StaggeredBatch, StepError,
+    self as rod, Conditions, Impulses, RodError, RodState, SectionLaws, StaggeredBatch, StepError,
 };
 use std::sync::Arc;
+
+/// Numbers that are saved of a gripper of a fibre: whether it holds, and the pose.
+const GRIP: usize = 8;
 
 /// A batch of fibres with what acts on them: the unit of parallel work.
 pub struct FiberGroup<B: RodBatch + ?Sized> {
@@ -50,11 +54,51 @@ impl<B: RodBatch + ?Sized> FiberGroup<B> {
     }
 
     /// Sets the forces on nodes for the step from `time` by `dt`, s. Returns its middle.
-    fn load(&mut self, time: f64, dt: f64) -> Result<f64, StepError> {
+    pub(crate) fn load(&mut self, time: f64, dt: f64) -> Result<f64, StepError> {
         let middle = time + 0.5 * dt;
         self.follow_climate(time, dt)?;
+        self.grip(middle);
         self.put_forces(middle)?;
         Ok(middle)
+    }
+
+    /// Lets grippers take tips as they are now, and let them go, for the step whose middle is at a
+    /// time, s.
+    fn grip(&mut self, middle: f64) {
+        for (lane, conditions) in self.lanes.iter_mut().enumerate() {
+            conditions.grip(middle, || tip(&self.batch.state(lane)));
+        }
+    }
+
+    /// Appends all numbers that change.
+    pub(crate) fn save(&self, numbers: &mut Vec<f64>) {
+        self.batch.save(numbers);
+        for taken in self.lanes.iter().flat_map(FiberConditions::grips) {
+            let pose = taken.unwrap_or_else(Isometry3::identity);
+            numbers.push(f64::from(taken.is_some()));
+            numbers.extend(pose.translation.vector.iter().chain(pose.rotation.coords.iter()));
+        }
+    }
+
+    /// Goes back to saved numbers.
+    pub(crate) fn restore(&mut self, numbers: &[f64]) -> Result<(), RodError> {
+        let count: usize = self.lanes.iter().map(|lane| lane.grips().count()).sum();
+        let (expected, found) = (GRIP * count, numbers.len());
+        let Some(own) = found.checked_sub(expected) else {
+            return Err(RodError::Length { what: "poses of grippers", expected, found });
+        };
+        let (batch, grips) = numbers.split_at(own);
+        self.batch.restore(batch)?;
+        let mut grips = grips.chunks_exact(GRIP).map(|numbers| {
+            let [held, x, y, z, i, j, k, w] = *numbers else { return None };
+            let turn = UnitQuaternion::new_unchecked(Quaternion::new(w, i, j, k));
+            (held > 0.0).then(|| Isometry3::from_parts(Translation3::new(x, y, z), turn))
+        });
+        for lane in &mut self.lanes {
+            let count = lane.grips().count();
+            lane.taken = grips.by_ref().take(count).collect();
+        }
+        Ok(())
     }
 
     /// Puts the forces of the scene at a time (s) on the nodes.
@@ -71,6 +115,16 @@ impl<B: RodBatch + ?Sized> FiberGroup<B> {
         }
         Ok(())
     }
+}
+
+/// Pose of the tip of a rod, the frame of its last segment continued over half of it.
+fn tip(state: &RodState) -> Isometry3<f64> {
+    let n = state.frames.len();
+    let length = (state.positions[n] - state.positions[n - 1]).norm();
+    let turn = 0.75 * state.curvatures[n] + 0.25 * state.curvatures[n - 1];
+    let frame = state.frames[n - 1] * Rotation3::new(0.5 * length * turn);
+    let frame = UnitQuaternion::from_rotation_matrix(&frame);
+    Isometry3::from_parts(state.positions[n].into(), frame)
 }
 
 /// The parts of a step of fibres in contact.

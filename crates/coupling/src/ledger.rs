@@ -15,7 +15,8 @@ pub struct EnergyLedger {
     pub damping: f64,
     /// Work of ends that are held, J: roots that move, tips that are pulled.
     pub supports: f64,
-    /// Work of the method in time, J: see [`Ledger::integrator`].
+    /// Work of the method in time, J: see [`Ledger::integrator`]; with what joints do to fibres and
+    /// does not become energy between these.
     pub integrator: f64,
     /// Work of what the search for a step left unbalanced, J: see [`Ledger::solver`].
     pub solver: f64,
@@ -36,7 +37,7 @@ impl EnergyLedger {
         self.drag += step.drag;
         self.damping += step.damping;
         self.supports += step.supports;
-        self.integrator += step.integrator;
+        self.integrator += step.integrator + step.joints;
         self.solver += step.solver;
     }
 

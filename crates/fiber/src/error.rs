@@ -53,6 +53,18 @@ pub enum FiberError {
         /// Index of the first of the two; one past the last point is the first of a closed curve.
         index: usize,
     },
+    /// A curve is longer or shorter than the fibre that is to be laid along it.
+    #[error(
+        "the curve is {found} m long, but the fibre {wanted} m: give the fibre that length, or \
+         scale the curve by {}",
+        wanted / found
+    )]
+    CurveLength {
+        /// Length of the curve, m.
+        found: f64,
+        /// Length of the fibre, m.
+        wanted: f64,
+    },
     /// The segments are too long for the curve that they are to follow.
     #[error(
         "{segments} segments cannot follow the curve; give at least {needed}, or a curve that \

@@ -1,28 +1,6 @@
-use crate::{RodError, StepError};
+use crate::{EndSupport, Load, Restraint, RodError, StepError};
 use nalgebra::{Isometry3, Point3, Vector3};
 use rapunzel_fiber::Fiber;
-
-/// A force or a moment at an end of a rod.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Load {
-    /// Components in the world frame; the direction stays.
-    World(Vector3<f64>),
-    /// Components in the material frame of the end; the direction follows the rod.
-    Follower(Vector3<f64>),
-}
-
-impl Load {
-    /// No load.
-    pub const ZERO: Self = Self::World(Vector3::new(0.0, 0.0, 0.0));
-
-    /// Components as given, whatever the frame.
-    #[must_use]
-    pub fn components(&self) -> &Vector3<f64> {
-        match self {
-            Self::World(v) | Self::Follower(v) => v,
-        }
-    }
-}
 
 /// Boundary condition at one end of a rod.
 ///
@@ -45,6 +23,9 @@ pub enum End {
         /// Moment on the rod, N m.
         moment: Load,
     },
+    /// Each of the six freedoms is held, sprung or free by itself. The integrator of the staggered
+    /// chain has such ends, [`crate::BoxIntegrator`] and the linear analysis refuse them.
+    Supported(EndSupport),
 }
 
 impl End {
@@ -55,6 +36,18 @@ impl End {
     #[must_use]
     pub fn pinned(position: Point3<f64>) -> Self {
         Self::Pinned { position, moment: Load::ZERO }
+    }
+
+    /// Whether the position is prescribed whole.
+    #[must_use]
+    pub fn holds_position(&self) -> bool {
+        match self {
+            Self::Held(_) | Self::Pinned { .. } => true,
+            Self::Loaded { .. } => false,
+            Self::Supported(support) => {
+                support.translations.iter().all(|one| *one == Restraint::Held)
+            }
+        }
     }
 }
 
@@ -162,6 +155,7 @@ impl Instant {
             End::Loaded { force, moment } => {
                 [force, moment].into_iter().map(Load::components).all(finite)
             }
+            End::Supported(support) => support.is_sound(),
         };
         let air_is_sound = |Air { wind, drag: Drag { normal, tangential } }: &Air| {
             finite(wind) && normal >= tangential && *tangential >= 0.0 && normal.is_finite()
@@ -179,7 +173,8 @@ impl Instant {
                 fiber: 0,
                 what,
                 time,
-                why: "every number must be finite, and 0 <= tangential <= normal drag",
+                why: "every number must be finite, stiffness not negative, and \
+                      0 <= tangential <= normal drag",
             }),
         }
     }

@@ -30,6 +30,9 @@ pub struct Ledger {
     pub supports: f64,
     /// Work of contacts, J: impulses on the nodes times the nodes' mean velocities over the step.
     pub contacts: f64,
+    /// Work of joints with other fibres, J: loads at the end of the step times displacements and
+    /// turns over it.
+    pub joints: f64,
     /// Work of the time integration, J, for which the values at the end of a step stand for those
     /// over it. Backward Euler only loses where the potential of its step is convex: half the mass
     /// times the squared change of velocity, and the elastic energy of the change of curvature.
@@ -53,7 +56,7 @@ impl Ledger {
     #[must_use]
     pub fn work(&self) -> f64 {
         let outside = self.gravity + self.loads + self.drag + self.supports + self.contacts;
-        outside + self.damping + self.integrator + self.solver
+        outside + self.joints + self.damping + self.integrator + self.solver
     }
 }
 
@@ -67,6 +70,7 @@ impl AddAssign for Ledger {
         self.damping += other.damping;
         self.supports += other.supports;
         self.contacts += other.contacts;
+        self.joints += other.joints;
         self.integrator += other.integrator;
         self.solver += other.solver;
     }

@@ -1,13 +1,15 @@
 use super::arrangement::Arrangement;
 use super::charging::Charge;
 use super::check::{Allowed, Check};
-use super::fiber_shape::{FiberShape, Initial};
+use super::fiber_shape::{Closing, FiberShape, Initial};
+use super::gripper::Gripper;
 use super::groom::{Groom, GroomShape};
+use super::load::Profile;
 use super::material::{Law, MaterialSpec};
 use super::motion::Motion;
 use super::section::check_section;
 use super::taper::{TaperPoint, Tapered, check_taper, check_taper_law};
-use super::tip::{JointKind, Profile, Tip};
+use super::tip::{JointKind, Tip};
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use rapunzel_fiber::generate::root_pose;
 use rapunzel_fiber::{FiberError, Section};
@@ -46,6 +48,13 @@ pub struct Bundle {
     /// Uniform velocity of all nodes at the start, m/s.
     #[serde(default)]
     pub velocity: [f64; 3],
+    /// Angular velocity of the bundle as one body at the start, which adds to the velocity.
+    #[serde(default)]
+    pub spin: Spin,
+    /// Velocities of the nodes of each fibre from the root on, m/s, which add to the others; one
+    /// for each node, or none. They must not stretch a segment.
+    #[serde(default)]
+    pub velocities: Vec<[f64; 3]>,
     /// Pose of the bundle at the start.
     #[serde(default)]
     pub root: Pose,
@@ -65,12 +74,28 @@ pub struct Bundle {
     /// Boundary condition at the tips.
     #[serde(default)]
     pub tip: Tip,
+    /// Grippers that take the tips and let them go, in the order of time.
+    #[serde(default)]
+    pub grippers: Vec<Gripper>,
+    /// Closes each fibre to a ring; root and tip must then be free.
+    #[serde(default)]
+    pub closed: Option<Closing>,
     /// Point forces along the fibres.
     #[serde(default)]
     pub point_forces: Vec<PointForce>,
     /// Charge of the fibres; needs `charging`.
     #[serde(default)]
     pub charge: Charge,
+}
+
+/// Rotation as one body.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Spin {
+    /// Angular velocity, degrees/s, world frame.
+    pub rate: [f64; 3],
+    /// A point on the axis, m, world frame; left out, the position of the root.
+    pub about: Option<[f64; 3]>,
 }
 
 /// A position and an orientation.
@@ -241,18 +266,50 @@ impl Bundle {
         check.within("arrangement", |c| self.arrangement.check(c));
         check.within("motion", |c| self.motion.check(c));
         check.vector("velocity", &self.velocity, "m/s");
+        self.check_start(check);
         check.within("root_joint", |c| self.root_joint.check(c));
         if self.root_joint.is_free() && self.motion != Motion::Fixed {
             let message = "moves the root, but root_joint lets it move freely; leave one out";
             check.refuse("motion", message.into());
         }
         check.within("tip", |c| self.tip.check(c));
+        Gripper::check(&self.grippers, check);
         check.each("point_forces", &self.point_forces, |c, force| {
             c.number("at", force.at, Allowed::Within(0.0, 1.0), "");
             c.vector("value", &force.value, "N");
             c.within("profile", |c| force.profile.check(c));
         });
         check.within("charge", |c| self.charge.check(c, self.arrangement.fibers(), self.segments));
+    }
+
+    /// Reports problems of the motion at the start, and of starts that give the root too.
+    fn check_start(&self, check: &mut Check) {
+        check.vector("spin.rate", &self.spin.rate, "degrees/s");
+        if let Some(about) = &self.spin.about {
+            check.vector("spin.about", about, "m");
+        }
+        check.each("velocities", &self.velocities, |c, v| c.vector("", v, "m/s"));
+        let (found, nodes) = (self.velocities.len(), self.segments + 1);
+        if self.groom.is_some() && found > 0 {
+            let message = "is for fibres of equally many segments, not for a groom: leave it out";
+            check.refuse("velocities", message.into());
+        } else if found > 0 && found != nodes {
+            let message = format!("has {found} entries, but each fibre has {nodes} nodes");
+            check.refuse("velocities", message);
+        }
+        if !self.initial.places_root() {
+            return;
+        }
+        let mut refuse = |given: bool, field: &str| {
+            if given {
+                let message = "is given by the initial shape: leave it out";
+                check.refuse(field, message.into());
+            }
+        };
+        refuse(self.arrangement != Arrangement::default(), "arrangement");
+        refuse(self.root.orientation != Orientation::default(), "root.orientation");
+        let moved = !matches!(self.initial, Initial::Curve { .. });
+        refuse(moved && self.root.position != [0.0; 3], "root.position");
     }
 
     /// Reports what a groom is in place of, and ends that leave its shape undetermined.
@@ -262,6 +319,7 @@ impl Bundle {
                 check.refuse(field, message.into());
             }
         };
+        refuse(self.closed.is_some(), "closed", "is not for the hairs of a groom: leave it out");
         let given = "is given by the groom: leave it out";
         refuse(self.length != 0.0, "length", given);
         refuse(self.shape != FiberShape::default(), "shape", given);

@@ -4,13 +4,18 @@ mod arrangement;
 pub mod case;
 mod charging;
 mod check;
+mod compatible;
 mod contact;
 mod environment;
 mod error;
 mod fiber_shape;
 mod fibers;
+mod freedom;
 mod grip;
+mod gripper;
 mod groom;
+mod joint;
+mod load;
 mod locate;
 mod mass_spring;
 mod material;
@@ -36,10 +41,14 @@ pub use check::{SceneProblem, TextPlace};
 pub use contact::{Adhesion, ContactMethod, ContactSettings, FrictionLaw, FrictionSurface};
 pub use environment::{Environment, Wind};
 pub use error::SceneError;
-pub use fiber_shape::{ClosedCurve, FiberShape, Initial};
-pub use fibers::{Bundle, Orientation, PointForce, Pose};
+pub use fiber_shape::{ClosedCurve, Closing, FiberShape, Initial};
+pub use fibers::{Bundle, Orientation, PointForce, Pose, Spin};
+pub use freedom::{Freedom, SupportAxes};
 pub use grip::{Grip, GripPlace};
+pub use gripper::Gripper;
 pub use groom::{Groom, GroomShape, GroomSource, GroomUpAxis, RootBall};
+pub use joint::{FiberJoint, JointHold, JointNode, JointPlace};
+pub use load::{LoadFrame, Profile, TimedLoad};
 pub use mass_spring::{
     Hold, Integrator, MassSpring, Model, NodeContacts, NodeLoad, NodePlaces, SpringBodyShape,
 };
@@ -52,7 +61,7 @@ pub use plan::Plan;
 pub use stepper::{RodMethod, StepperSettings, Weights};
 pub use style::style_from_ron;
 pub use taper::TaperPoint;
-pub use tip::{JointKind, LoadFrame, Profile, TimedLoad, Tip};
+pub use tip::{JointKind, Tip};
 
 use check::{Allowed, Check};
 use parse::parse;
@@ -97,6 +106,9 @@ pub struct Scene {
     /// A mass-spring system in place of fibres.
     #[serde(default)]
     pub mass_spring: Option<MassSpring>,
+    /// Joints between fibres, which then cannot have `contact`.
+    #[serde(default)]
+    pub joints: Vec<FiberJoint>,
     /// Hands that pull at nodes.
     #[serde(default)]
     pub grips: Vec<Grip>,
@@ -162,11 +174,12 @@ impl Scene {
             bundle.motion == Motion::Fixed
                 && matches!(bundle.tip, Tip::Free | Tip::Held)
                 && bundle.point_forces.is_empty()
+                && bundle.grippers.is_empty()
                 && !bundle.has_end_loads()
                 && match &bundle.root_joint {
                     JointKind::Clamped | JointKind::Free => true,
                     JointKind::Ball { moment } => *moment == TimedLoad::default(),
-                    JointKind::Loaded { .. } => false,
+                    JointKind::Loaded { .. } | JointKind::Supported { .. } => false,
                 }
         };
         let unmoved = |o: &Object| o.moves != Moves::Led || o.motion == Motion::Fixed;
@@ -296,6 +309,9 @@ impl Scene {
             refuse(bundle.root_joint != JointKind::Clamped, "root_joint");
             refuse(bundle.tip != Tip::Free, "tip");
             refuse(bundle.velocity != [0.0; 3], "velocity");
+            refuse(!bundle.grippers.is_empty(), "grippers");
+            refuse(bundle.spin != Spin::default(), "spin");
+            refuse(!bundle.velocities.is_empty(), "velocities");
             refuse(bundle.damping_time != 0.0, "damping_time");
             refuse(bundle.law() != Law::Elastic, "material.law");
         }
@@ -322,8 +338,11 @@ impl Scene {
         check.each("fibers", &self.fibers, |c, bundle| {
             bundle.check(c);
             self.check_keratin(bundle, c);
+            self.check_supports(bundle, c);
+            self.check_wrapped(bundle, c);
         });
         check.each("objects", &self.objects, |c, object| object.check(c));
+        self.check_joints(check);
         check.each("grips", &self.grips, |c, grip| grip.check(c, self.segments_of(grip.fiber)));
         if let Some(contact) = &self.contact {
             check.within("contact", |c| contact.check(c));

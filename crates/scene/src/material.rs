@@ -1,5 +1,5 @@
 use super::check::{Allowed, Check};
-use super::tip::Profile;
+use super::load::Profile;
 use rapunzel_fiber::{self as fiber, NodeProperties, Section};
 use rapunzel_keratin::law::{MaxwellElement, Relaxation, ThreeElement, Viscoelastic};
 use rapunzel_keratin::{

@@ -1,12 +1,13 @@
-//! Closed curves that fibres start along.
+//! Curves that fibres start along.
 
 use crate::SimError;
 use crate::file::{self, kind};
 use crate::scene::ClosedCurve;
-use nalgebra::Point3;
+use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, UnitQuaternion, Vector3};
 use rapunzel_collision::CollisionError;
 use rapunzel_collision::field::Obj;
 use rapunzel_fiber::generate::LongKnot;
+use std::path::Path;
 
 /// What is wrong with a file, and in which of its lines.
 type Fault = (Option<usize>, String);
@@ -31,6 +32,121 @@ pub(crate) fn knot(
     let refused = |(line, why)| SimError::Curve { bundle, path: path.clone(), line, why };
     let points = points.map_err(refused)?.into_iter().map(|p| scale * p).collect();
     Ok(LongKnot { points, spacing })
+}
+
+/// The points of an open curve in a file, with `scale` metres for its unit, for a bundle.
+pub(crate) fn open_curve(
+    path: &Path,
+    scale: f64,
+    bundle: usize,
+) -> Result<Vec<Point3<f64>>, SimError> {
+    let text = file::read_text(path)?;
+    let points = match kind(path).as_str() {
+        "obj" => chain(&text),
+        "txt" => points(&text),
+        _ => Err((None, "only .txt, .obj and the .csv of `rapunzel solve` are read".into())),
+    };
+    let refused = |(line, why)| SimError::Curve { bundle, path: path.to_owned(), line, why };
+    Ok(points.map_err(refused)?.into_iter().map(|p| scale * p).collect())
+}
+
+/// A curve with material frames, as `rapunzel solve` writes it.
+#[derive(Debug)]
+pub(crate) struct CurveTable {
+    /// Arc lengths, m, from zero on.
+    ways: Vec<f64>,
+    pub(crate) positions: Vec<Point3<f64>>,
+    pub(crate) frames: Vec<UnitQuaternion<f64>>,
+    /// Curvatures at the first and the last station, material frame, 1/m.
+    pub(crate) curvatures: (Vector3<f64>, Vector3<f64>),
+}
+
+/// Columns of a table: arc length, position, three directors, force, moment and curvature.
+const TABLE: usize = 22;
+
+impl CurveTable {
+    /// The table in a file, with `scale` metres for its unit.
+    pub(crate) fn read(path: &Path, scale: f64, bundle: usize) -> Result<Self, SimError> {
+        let text = file::read_text(path)?;
+        Self::parse(&text, scale).map_err(|(line, why)| SimError::Curve {
+            bundle,
+            path: path.to_owned(),
+            line,
+            why,
+        })
+    }
+
+    fn parse(text: &str, scale: f64) -> Result<Self, Fault> {
+        let (mut ways, mut positions, mut frames) = (Vec::new(), Vec::new(), Vec::new());
+        let mut curvatures = Vec::new();
+        for (number, line) in (1..).zip(text.lines()).skip(1) {
+            let fault = |why: &str| (Some(number), why.to_owned());
+            let row: Result<Vec<f64>, _> =
+                line.split(',').map(|word| word.trim().parse()).collect();
+            let row = row.map_err(|_| fault("a station must have numbers between commas"))?;
+            if row.len() != TABLE || row.iter().any(|x| !x.is_finite()) {
+                return Err(fault(
+                    "a station must have 22 finite numbers, as `rapunzel solve` writes",
+                ));
+            }
+            let vector = |i: usize| Vector3::new(row[i], row[i + 1], row[i + 2]);
+            let matrix = Matrix3::from_columns(&[vector(4), vector(7), vector(10)]);
+            let turn = (matrix.transpose() * matrix - Matrix3::identity()).amax();
+            if turn > 1e-6 || matrix.determinant() < 0.0 {
+                return Err(fault("d1, d2 and d3 must be orthonormal, d3 = d1 x d2"));
+            }
+            let way = scale * row[0];
+            if ways.last().is_some_and(|last| *last >= way) {
+                return Err(fault("the arc length must grow from line to line"));
+            }
+            ways.push(way);
+            positions.push(scale * Point3::from(vector(1)));
+            let frame = Rotation3::from_matrix_unchecked(matrix);
+            frames.push(UnitQuaternion::from_rotation_matrix(&frame));
+            curvatures.push(vector(19) / scale);
+        }
+        let [first, .., last] = curvatures[..] else {
+            return Err((None, "there must be two stations or more".into()));
+        };
+        Ok(Self { ways, positions, frames, curvatures: (first, last) })
+    }
+
+    /// Length from the first station to the last, m.
+    pub(crate) fn length(&self) -> f64 {
+        self.ways[self.ways.len() - 1] - self.ways[0]
+    }
+
+    /// Pose at the last station.
+    pub(crate) fn last(&self) -> Option<Isometry3<f64>> {
+        let (place, turn) = (self.positions.last()?, self.frames.last()?);
+        Some(Isometry3::from_parts(place.coords.into(), *turn))
+    }
+
+    /// Frame at an arc length from the first station, m, turned evenly between stations.
+    pub(crate) fn frame(&self, way: f64) -> UnitQuaternion<f64> {
+        let way = self.ways[0] + way;
+        let i = self.ways.partition_point(|w| *w <= way).clamp(1, self.ways.len() - 1);
+        let part = (way - self.ways[i - 1]) / (self.ways[i] - self.ways[i - 1]);
+        let turn = (self.frames[i - 1].inverse() * self.frames[i]).scaled_axis();
+        self.frames[i - 1] * UnitQuaternion::from_scaled_axis(part * turn)
+    }
+}
+
+/// The points of an OBJ in the order of its only line.
+fn chain(text: &str) -> Result<Vec<Point3<f64>>, Fault> {
+    let Obj { points, lines, .. } = read_obj(text)?;
+    let [line] = &lines[..] else {
+        let problem = format!("there are {} lines of points; give one", lines.len());
+        return Err((lines.get(1).map(|line| line.line), problem));
+    };
+    Ok(line.points.iter().map(|point| points[*point as usize]).collect())
+}
+
+fn read_obj(text: &str) -> Result<Obj, Fault> {
+    Obj::read(text.as_bytes()).map_err(|error| match error {
+        CollisionError::Read { line, problem, .. } => (line, problem),
+        error => (None, error.to_string()),
+    })
 }
 
 /// The points of a text, one in every line that has something before a `#`.
@@ -62,10 +178,7 @@ struct CurveSide {
 /// them to one ring: from the first point on the way that all lines are written, else to the
 /// neighbour with the smaller number.
 fn ring(text: &str) -> Result<Vec<Point3<f64>>, Fault> {
-    let Obj { points, lines, .. } = Obj::read(text.as_bytes()).map_err(|error| match error {
-        CollisionError::Read { line, problem, .. } => (line, problem),
-        error => (None, error.to_string()),
-    })?;
+    let Obj { points, lines, .. } = read_obj(text)?;
     let mut sides: Vec<Vec<CurveSide>> = vec![Vec::new(); points.len()];
     for chain in &lines {
         let line = chain.line;

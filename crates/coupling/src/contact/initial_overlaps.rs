@@ -33,7 +33,7 @@ pub(super) fn contact_points(
         step: TimeInterval::instant(system.start),
     };
     let grows = |fiber: usize| {
-        let held = matches!(ends(system, fiber)[0], End::Held(_) | End::Pinned { .. });
+        let held = ends(system, fiber)[0].holds_position();
         let (group, lane) = system.fibers.lane(fiber);
         let near = system.fibers.groups[group].lanes[lane].bundle.grows_within();
         held.then(|| near.unwrap_or(-depth))
@@ -64,9 +64,8 @@ fn is_held(system: &CoupledSystem, point: &ContactPoint, side: usize) -> bool {
     };
     let segments = system.fibers.assembly().fibers()[fiber].segments() as f64;
     let [root, tip] = ends(system, fiber);
-    let fixed = |end: &End| matches!(end, End::Held(_) | End::Pinned { .. });
     let places = [(0.0, root), (segments, tip)];
-    places.iter().any(|(place, end)| point.at()[side] == *place && fixed(end))
+    places.iter().any(|(place, end)| point.at()[side] == *place && end.holds_position())
 }
 
 /// What holds the root and the tip of a fibre now.

@@ -277,7 +277,7 @@ fn acceleration(rod: &Rod, node_forces: &[Vector3<f64>], span: &Span) -> f64 {
             force.components().norm() + moment.components().norm() / rod.fiber.length()
         }
         End::Pinned { moment, .. } => moment.components().norm() / rod.fiber.length(),
-        End::Held(_) => 0.0,
+        End::Held(_) | End::Supported(_) => 0.0,
     };
     let line = span.stage.distributed.norm() * rod.fiber.length();
     let forces = line + largest(node_forces.iter().copied()) + pull(Side::Root) + pull(Side::Tip);

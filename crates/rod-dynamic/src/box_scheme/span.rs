@@ -40,6 +40,10 @@ impl Span {
             let t = time + fraction * dt;
             let instant = conditions.at(t);
             instant.check(t)?;
+            if [instant.root, instant.tip].iter().any(|end| matches!(end, End::Supported(_))) {
+                let why = "the box scheme holds a whole end only: take the staggered chain";
+                return Err(StepError::Conditions { fiber: 0, what: "end", time: t, why });
+            }
             Ok(instant)
         };
         Ok(Self {
@@ -95,6 +99,6 @@ fn pose(end: &End, frame: Rotation3<f64>) -> Option<NodePose> {
             Some(NodePose { position: translation.vector, frame: rotation.to_rotation_matrix() })
         }
         End::Pinned { position, .. } => Some(NodePose { position: position.coords, frame }),
-        End::Loaded { .. } => None,
+        End::Loaded { .. } | End::Supported(_) => None,
     }
 }

@@ -1,6 +1,6 @@
 //! Stiffness, mass and displacements of the whole chain, before constraints.
 
-use super::joint::Action;
+use crate::JointAction;
 use crate::joint::Joint;
 use crate::{End, Instant, Load, RodState};
 use nalgebra::{DMatrix, Matrix3, Rotation3, Vector3};
@@ -14,7 +14,7 @@ pub(super) struct LinearAssembly<'a> {
     /// Force in each segment that the part beyond exerts on the part before, N, world.
     forces: Vec<Vector3<f64>>,
     /// Moment and Hessian of joint `j` of `0..=n`; `None` where an end is free to turn.
-    joints: Vec<Option<Action>>,
+    joints: Vec<Option<JointAction>>,
     /// First row of the segments: 3 behind the displacement of a free root, else 0.
     first: usize,
 }
@@ -99,7 +99,7 @@ impl<'a> LinearAssembly<'a> {
         };
         // Joints: H on the diagonal, hat(M)/2 - H between neighbouring segments.
         for (j, action) in self.joints.iter().enumerate() {
-            let Some(Action { moment, hessian }) = action else { continue };
+            let Some(JointAction { moment, hessian }) = action else { continue };
             if j > 0 {
                 add(self.row(j - 1), self.row(j - 1), *hessian);
             }

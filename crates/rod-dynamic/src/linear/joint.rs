@@ -1,42 +1,16 @@
 //! Moment and second derivative of a joint.
 
+use crate::JointAction;
 use crate::joint::Joint;
-use nalgebra::{Matrix3, Rotation3, Vector3};
+use nalgebra::{Matrix3, Rotation3};
 use rapunzel_fiber::so3;
 
-/// Moment and Hessian of a joint, world frame.
-pub(super) struct Action {
-    /// Moment on the segment before the joint, N m.
-    pub(super) moment: Vector3<f64>,
-    /// Second derivative of the energy by a rotation of the segment behind the joint, N m.
-    pub(super) hessian: Matrix3<f64>,
-}
-
 impl Joint {
-    /// Moment and Hessian of the energy `(phi - rest)^T K (phi - rest) / 2` with `phi = log(a^T
-    /// b)`, differentiated twice by `b -> exp(hat(x)) b`: `phi` changes by `J^-1 y + ...` with `y =
-    /// b^T x`.
-    pub(super) fn act(&self, a: &Rotation3<f64>, b: &Rotation3<f64>) -> Action {
+    /// Moment and Hessian of the energy `(phi - rest)^T K (phi - rest) / 2`, `phi = log(a^T b)`.
+    pub(super) fn act(&self, a: &Rotation3<f64>, b: &Rotation3<f64>) -> JointAction {
         let phi = so3::log(&(a.inverse() * b));
         let m = self.stiffness.component_mul(&(phi - self.rest));
-        let inverse = so3::right_jacobian_inverse(&phi);
-        let elastic = inverse.transpose() * Matrix3::from_diagonal(&self.stiffness) * inverse;
-        // The derivative of J^-T m at constant m; the order of two rotations makes it unsymmetric,
-        // which is no part of the energy's second derivative.
-        let squared = phi.norm_squared();
-        let c = so3::inverse_coefficient(squared);
-        let slope = so3::inverse_coefficient_slope(squared);
-        let along = phi.dot(&m);
-        let varied = 0.5 * so3::hat(&m)
-            + c * (Matrix3::from_diagonal_element(along) + phi * m.transpose()
-                - 2.0 * m * phi.transpose())
-            + 2.0 * slope * phi.cross(&phi.cross(&m)) * phi.transpose();
-        let geometric = varied * inverse;
-        let local = elastic + 0.5 * (geometric + geometric.transpose());
-        Action {
-            moment: b * (inverse.transpose() * m),
-            hessian: b.matrix() * local * b.matrix().transpose(),
-        }
+        JointAction::new(a, b, &m, &Matrix3::from_diagonal(&self.stiffness))
     }
 }
 
@@ -44,6 +18,7 @@ impl Joint {
 mod tests {
     use super::*;
     use approx::assert_relative_eq;
+    use nalgebra::Vector3;
 
     #[test]
     fn hessian_is_the_second_difference_of_the_energy() {

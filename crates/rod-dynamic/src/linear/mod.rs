@@ -47,8 +47,8 @@ pub struct Linearization {
 ///
 /// # Errors
 /// [`RodError::Length`] for frames or forces that do not fit the rod, [`RodError::Invalid`] for a
-/// rod of one segment, numbers that are not finite, a free root with a held tip, or a state whose
-/// torques do not balance.
+/// rod of one segment, numbers that are not finite, a free root with a held tip, a supported end,
+/// or a state whose torques do not balance.
 pub fn linearize(
     rod: &Rod,
     conditions: &Instant,
@@ -63,6 +63,9 @@ pub fn linearize(
     }
     if n < 2 {
         return invalid("rod", "needs at least two segments");
+    }
+    if [conditions.root, conditions.tip].iter().any(|end| matches!(end, End::Supported(_))) {
+        return invalid("end", "the linear analysis knows ends that are held whole or free only");
     }
     let root_free = matches!(conditions.root, End::Loaded { .. });
     let tip_held = !matches!(conditions.tip, End::Loaded { .. });

@@ -5,7 +5,7 @@ use super::check::check_conditions;
 use super::scheme::StepProblem;
 use super::search::SearchOutcome;
 use crate::{Conditions, End, Instant, RodStepReport, StepError};
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Matrix3, Point3, Vector3};
 use rapunzel_lanes::LANES;
 
 /// Largest number of halvings of a step.
@@ -255,7 +255,7 @@ impl StaggeredBatch {
     }
 
     /// The conditions of one fibre at `time`, validated.
-    fn conditions(
+    pub(super) fn conditions(
         &self,
         fiber: usize,
         time: f64,
@@ -269,21 +269,23 @@ impl StaggeredBatch {
 
 /// Whether the root's prescribed motion continues the velocity that the rod starts with, so that
 /// an acceleration at the start exists: compared are the first and the second difference quotient.
-fn sets_out_smoothly(
+pub(super) fn sets_out_smoothly(
     now: &End,
     then: &End,
     position: &Point3<f64>,
     velocity: &Vector3<f64>,
     delta: f64,
 ) -> bool {
+    // The prescribed place, and the projector on what is prescribed of it.
     let place = |end: &End| match end {
-        End::Held(pose) => Some(pose.translation.vector),
-        End::Pinned { position, .. } => Some(position.coords),
+        End::Held(pose) => Some((pose.translation.vector, Matrix3::identity())),
+        End::Pinned { position, .. } => Some((position.coords, Matrix3::identity())),
         End::Loaded { .. } => None,
+        End::Supported(support) => Some((support.pose.translation.vector, support.held())),
     };
-    let (Some(first), Some(second)) = (place(now), place(then)) else { return true };
-    let jump = (first - position.coords) / delta - velocity;
-    let change = (second - 2.0 * first + position.coords) / delta;
+    let (Some((first, held)), Some((second, _))) = (place(now), place(then)) else { return true };
+    let jump = held * ((first - position.coords) / delta - velocity);
+    let change = held * ((second - 2.0 * first + position.coords) / delta);
     let speed = velocity.norm().max(((second - first) / delta).norm());
     jump.norm() <= change.norm() + 1e-9 * speed
 }

@@ -16,12 +16,13 @@
 use super::array::{Array, store, store_quat, zeros};
 use super::ends::Ends;
 use super::factor::{DiagonalBlock, Right, close};
-use super::joint_geometry::{combine, director_hessian, hat, log_hessian, moment, slope_of_log};
+use super::joint_geometry::{JointEffect, combine, director_hessian, hat};
 use super::laws::Laws;
 use super::model::BatchModel;
+use super::supports::BothSupports;
 use super::workspace::{BatchWorkspace, Kept};
 use pulp::Simd;
-use rapunzel_lanes::{Lane, M3, Quat, Sym, V3};
+use rapunzel_lanes::{Lane, Quat, Sym, V3};
 use std::sync::Arc;
 
 /// Unknown rotations of one SIMD batch of fibres, with the model, boundary conditions and workspace
@@ -33,6 +34,8 @@ pub(super) struct RotationChain<S: Simd> {
     pub(super) n: usize,
     pub(super) model: Arc<BatchModel<S>>,
     pub(super) ends: Ends<S>,
+    /// Supports whose freedoms are held one by one, once any lane has had one.
+    pub(super) supports: Option<Box<BothSupports<S>>>,
     /// Section laws in place of the stiffness and natural rotations in `room`, if any lane has
     /// them.
     pub(super) laws: Option<Box<Laws<S>>>,
@@ -59,6 +62,7 @@ impl<S: Simd> RotationChain<S> {
             n,
             model,
             ends: Ends::new(),
+            supports: None,
             laws: None,
             q: zeros::<S>(4 * n),
             spins,
@@ -149,6 +153,9 @@ impl<S: Simd> RotationChain<S> {
             let free = sum.scale(mass.recip());
             position = root_free.positive().select(free, position);
         }
+        if let Some(supports) = &self.supports {
+            position = self.supported_root(supports, position, [root_force, tip_force]);
+        }
         // Positions r_(e+1) = r_e + h_e d3_e.
         store(&mut self.kept.r, 0, position);
         for e in 0..n {
@@ -156,7 +163,7 @@ impl<S: Simd> RotationChain<S> {
                 self.vec(&self.room.d, 3 * e + 2).mul_add(self.one(&self.model.h, e), position);
             store(&mut self.kept.r, e + 1, position);
         }
-        let gap =
+        let mut gap =
             (self.vec(&ends.tip_position, 0) - position).scale(Lane::new(simd, ends.tip_held));
         // Forces from the tip inward, n_a = n_(a+1) + b_a - mu_a u_a; the tip's own balance gives
         // the first unless it is held.
@@ -166,6 +173,9 @@ impl<S: Simd> RotationChain<S> {
         let tip_held = Lane::new(simd, ends.tip_held);
         potential = potential - tip_force.dot(u);
         let mut force = tip_held.positive().select(held, free);
+        if let Some(supports) = &self.supports {
+            [force, gap] = self.supported_tip(&supports[1], position, free, [force, gap]);
+        }
         store(&mut self.force, n - 1, force);
         for a in (1..n).rev() {
             let (node, energy) = self.node_potential(a);
@@ -204,12 +214,24 @@ impl<S: Simd> RotationChain<S> {
         let mut directors = [zero; 3];
         let mut left = JointEffect::none(simd);
         let mut carry = DiagonalBlock::zero(simd);
+        let mut root_end = None;
         // Joint j comes after segment j - 1, which is complete with it.
         for j in 0..=n {
             let after = self.quat(if j < n { &self.q[4 * j..4 * j + 4] } else { &ends.tip_frame });
             let next = after.directors();
             let right = self.joint(j, before, after, next, exact);
             potential = potential + right.energy;
+            // The unknown frame of a supported end.
+            let mut end = None;
+            if (j == 0 || j == n) && self.supports.is_some() {
+                let (stiffness, torque, signs) =
+                    self.eliminate_end(usize::from(j == n), &right, exact);
+                signature = signature + signs;
+                end = Some((stiffness, torque));
+            }
+            if j == 0 {
+                root_end = end;
+            }
             if j > 0 {
                 let (e, d) = (j - 1, directors);
                 let h = self.one(&self.model.h, e);
@@ -233,6 +255,11 @@ impl<S: Simd> RotationChain<S> {
                     torque += self.world(ends.tip_moment, d);
                     load = zero - gap;
                 }
+                let of_root = if j == 1 { root_end } else { None };
+                for (stiffness, moment) in [of_root, end].into_iter().flatten() {
+                    hessian = hessian - stiffness;
+                    torque -= moment;
+                }
                 for i in 0..6 {
                     self.room.hessian[6 * e + i] = hessian.0[i].value;
                 }
@@ -240,8 +267,17 @@ impl<S: Simd> RotationChain<S> {
                 // previous segment, and the coupling B to the next one: B = hat(M)/2 - H of the
                 // joint, where the first term is left out in definite lanes.
                 let (w0, w1) = (self.one(&self.kept.w, e), self.one(&self.kept.w, j));
+                let mut compliance = Sym::diagonal(-(w0 + w1));
+                if let Some(supports) = &self.supports {
+                    if j == 1 {
+                        compliance = compliance - supports[0].mobility(simd, false);
+                    }
+                    if j == n {
+                        compliance = compliance - supports[1].mobility(simd, false);
+                    }
+                }
                 let block = DiagonalBlock {
-                    compliance: Sym::diagonal(-(w0 + w1)),
+                    compliance,
                     lever: hat(d[2].scale(h)),
                     stiffness: hessian,
                     load,
@@ -255,8 +291,11 @@ impl<S: Simd> RotationChain<S> {
                     let moment = self.vec(&ends.tip_moment[0], 0)
                         - combine(d, self.vec(&ends.tip_moment[1], 0));
                     let wanted = Lane::new(simd, ends.circulatory);
-                    let (follow, spin) = (force.scale(-w1), moment.scale(-half));
-                    let [force, turn] = close(block, hat(follow), hat(spin));
+                    let mut follow = hat(force.scale(-w1));
+                    if let Some(supports) = &self.supports {
+                        follow = follow - supports[1].mobility(simd, false).times(hat(force));
+                    }
+                    let [force, turn] = close(block, follow, hat(moment.scale(-half)));
                     rhs = [
                         wanted.positive().select(force, rhs[0]),
                         wanted.positive().select(turn, rhs[1]),
@@ -281,71 +320,6 @@ impl<S: Simd> RotationChain<S> {
         (potential, signature)
     }
 
-    /// Moment, energy and Hessian of the joint between rotations `a` and `b`; `d` belongs to `b`.
-    #[inline(always)]
-    fn joint(
-        &self,
-        j: usize,
-        a: Quat<S>,
-        b: Quat<S>,
-        d: [V3<S>; 3],
-        exact: Lane<S>,
-    ) -> JointEffect<S> {
-        let (phi, fw) = a.inverse_times(b).log();
-        let one = fw.lift(1.0);
-        let half = fw.lift(0.5);
-        // Moment and energy of the joint in its own frame: linear, or from the model of a section
-        // law.
-        let k = self.vec(&self.room.k, j);
-        let (m, energy, tangent) = match &self.laws {
-            None => {
-                let strain = phi - self.vec(&self.room.target, j);
-                let m = k.times(strain);
-                (m, half * m.dot(strain), None)
-            }
-            Some(laws) => {
-                let (m, energy, tangent) = laws.model(self.simd, j, phi);
-                (m, energy, Some(tangent))
-            }
-        };
-        // Moment in the world, J^-T m.
-        let angle2 = phi.dot(phi);
-        let c = slope_of_log(angle2, fw);
-        let moment = moment(phi, m, c, d);
-        // Rows of J^-1 R^T, J^-1 = E + hat(phi)/2 + c (phi phi^T - a^2 E).
-        let [x, y, z] = phi.0;
-        let s = c.negate_mul_add(angle2, one);
-        let cp = phi.scale(c);
-        let inverse = M3([
-            V3([
-                cp.0[0].mul_add(x, s),
-                half.negate_mul_add(z, cp.0[0] * y),
-                half.mul_add(y, cp.0[0] * z),
-            ]),
-            V3([
-                half.mul_add(z, cp.0[1] * x),
-                cp.0[1].mul_add(y, s),
-                half.negate_mul_add(x, cp.0[1] * z),
-            ]),
-            V3([
-                half.negate_mul_add(y, cp.0[2] * x),
-                half.mul_add(x, cp.0[2] * y),
-                cp.0[2].mul_add(z, s),
-            ]),
-        ]);
-        // Hessian: j^T K j with j = J^-1 R^T, and in exact lanes the second derivative of the
-        // logarithm.
-        let j = M3(d).transposed().times(inverse.transposed()).transposed();
-        let kj = match tangent {
-            None => M3([j.0[0].scale(k.0[0]), j.0[1].scale(k.0[1]), j.0[2].scale(k.0[2])]),
-            Some(tangent) => tangent.times(j),
-        };
-        let coupling = Sym::transposed_product(j, kj);
-        let (phi_world, m_world) = (combine(d, phi), combine(d, m));
-        let hessian = coupling + log_hessian(phi_world, m_world, angle2).scale(exact);
-        JointEffect { moment, energy, hessian }
-    }
-
     /// Rotation vector of joint `j`, and the second value of [`Quat::log`].
     #[inline(always)]
     pub(super) fn joint_turn(&self, j: usize) -> (V3<S>, Lane<S>) {
@@ -363,22 +337,5 @@ impl<S: Simd> RotationChain<S> {
             let (phi, _) = self.joint_turn(j);
             store(&mut self.room.phi, j, phi);
         }
-    }
-}
-
-/// Moment, energy and Hessian of one joint.
-struct JointEffect<S: Simd> {
-    /// Moment on the segment before the joint, N m, world.
-    moment: V3<S>,
-    energy: Lane<S>,
-    hessian: Sym<S>,
-}
-
-impl<S: Simd> JointEffect<S> {
-    #[inline(always)]
-    fn none(simd: S) -> Self {
-        let (zero, v) = (Lane::splat(simd, 0.0), V3::splat(simd, 0.0));
-        let sym = Sym::diagonal(zero);
-        Self { moment: v, energy: zero, hessian: sym }
     }
 }

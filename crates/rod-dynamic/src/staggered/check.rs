@@ -1,6 +1,8 @@
 //! Validation of rods, states and conditions.
 
+use crate::support::Restraints;
 use crate::{End, Instant, Rod, RodError, RodState, SectionLaws, StepError};
+use nalgebra::Vector3;
 
 /// Slack that a rod held at both ends needs, as a fraction of its length: without it Newton's
 /// matrix is singular.
@@ -54,16 +56,28 @@ pub(super) fn check_conditions(rod: &Rod, now: &Instant, time: f64) -> Result<()
     let position = |end: &End| match end {
         End::Held(pose) => Some(pose.translation.vector),
         End::Pinned { position, .. } => Some(position.coords),
-        End::Loaded { .. } => None,
+        End::Supported(support) if Restraints::of(&support.translations) == Restraints::Held => {
+            Some(support.pose.translation.vector)
+        }
+        End::Loaded { .. } | End::Supported(_) => None,
+    };
+    // The part of the way from the root to the tip that a support of the tip holds.
+    let out_of_reach = |root: Vector3<f64>| match &now.tip {
+        End::Supported(support) => {
+            (support.held() * (support.pose.translation.vector - root)).norm()
+        }
+        _ => 0.0,
     };
     match (position(&now.root), position(&now.tip)) {
-        (None, Some(_)) => error("root", "a free root with a held tip: reverse the rod"),
         (Some(root), Some(tip)) if (root - tip).norm() > rod.fiber.length() * (1.0 - TAUT) => {
             error(
                 "tip",
                 "as far from the root as the rod is long, or further, which cannot stretch; \
                  pulled straight it cannot move and has any tension: bring the ends closer",
             )
+        }
+        (Some(root), None) if out_of_reach(root) > rod.fiber.length() * (1.0 - TAUT) => {
+            error("tip", "held further from the root than the rod is long: bring the ends closer")
         }
         _ => Ok(()),
     }

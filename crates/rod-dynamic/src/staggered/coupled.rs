@@ -97,7 +97,7 @@ impl StaggeredBatch {
     }
 
     /// Largest of the increments of all fibres, rad; an error if one is not finite.
-    fn largest(&self, turns: &[f64; LANES]) -> Result<f64, StepError> {
+    pub(super) fn largest(&self, turns: &[f64; LANES]) -> Result<f64, StepError> {
         let turns = &turns[..self.rods.len()];
         if let Some(fiber) = turns.iter().position(|turn| !turn.is_finite()) {
             let (time, dt, residuals) = (self.time(), self.predicted, vec![turns[fiber]]);
@@ -128,7 +128,11 @@ impl StaggeredBatch {
     }
 
     /// Marks a step of `dt` seconds as under way if `done` is `Ok`, else restores the fibres.
-    fn under_way(&mut self, dt: f64, done: Result<(), StepError>) -> Result<(), StepError> {
+    pub(super) fn under_way(
+        &mut self,
+        dt: f64,
+        done: Result<(), StepError>,
+    ) -> Result<(), StepError> {
         self.predicted = dt;
         if done.is_err() {
             self.abandon();
@@ -136,7 +140,7 @@ impl StaggeredBatch {
         done
     }
 
-    fn check_under_way(&self) -> Result<(), StepError> {
+    pub(super) fn check_under_way(&self) -> Result<(), StepError> {
         self.check_step().map_err(|_| StepError::Conditions {
             fiber: 0,
             what: "step",
@@ -145,7 +149,7 @@ impl StaggeredBatch {
         })
     }
 
-    fn check_step(&self) -> Result<(), RodError> {
+    pub(super) fn check_step(&self) -> Result<(), RodError> {
         if self.predicted > 0.0 {
             Ok(())
         } else {
@@ -391,6 +395,6 @@ impl ImpulseResponse for StaggeredBatch {
     }
 }
 
-fn check(what: &'static str, expected: usize, found: usize) -> Result<(), RodError> {
+pub(super) fn check(what: &'static str, expected: usize, found: usize) -> Result<(), RodError> {
     if expected == found { Ok(()) } else { Err(RodError::Length { what, expected, found }) }
 }

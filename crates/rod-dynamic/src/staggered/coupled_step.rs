@@ -55,8 +55,10 @@ impl<S: Simd> BatchCoupledStep for SimdBatch<S> {
             type Output = ();
             #[inline(always)]
             fn call(self) {
-                let stage = self.0.stage(&self.0.last_dt, StepProblem::Step);
-                self.0.look_ahead(&stage, &[true; LANES]);
+                let stage = self.0.stage(&self.0.last_dt, self.0.problem);
+                if self.0.problem == StepProblem::Step {
+                    self.0.look_ahead(&stage, &[true; LANES]);
+                }
                 self.0.prepare(&stage);
                 self.0.begin_laws();
                 self.0.chain.shape();
@@ -75,8 +77,12 @@ impl<S: Simd> BatchCoupledStep for SimdBatch<S> {
                 let pack = self.0;
                 pack.resume();
                 let mut search = [Search::new(false, Held::CLAMPED, false); LANES];
+                // Of joined fibres each by itself may be at a saddle where all together are not.
+                let alone = pack.joint_forces.is_empty();
                 for lane in 0..S::F64_LANES {
-                    search[lane] = Search::new(true, pack.held[lane], false);
+                    let held = pack.held[lane];
+                    let held = Held { conservative: alone && held.conservative, ..held };
+                    search[lane] = Search::new(true, held, false);
                 }
                 let (turn, gap) = pack.chain.increments(&mut search);
                 store(&mut pack.chain.kept.gap, 0, gap);
@@ -165,23 +171,10 @@ impl<S: Simd> SimdBatch<S> {
             #[inline(always)]
             fn call(self) -> [f64; LANES] {
                 let pack = self.0;
-                let stage = pack.stage(&pack.last_dt, StepProblem::Step);
+                let stage = pack.stage(&pack.last_dt, pack.problem);
                 pack.recall_directors();
                 pack.solve_response(&stage, Inertia::Own, 0);
-                for i in 0..2 * pack.chain.n {
-                    let sum = pack.chain.vec(&pack.chain.kept.step, i)
-                        + pack.chain.vec(&pack.chain.room.solution, i);
-                    store(&mut pack.chain.kept.step, i, sum);
-                }
-                let turn = pack.chain.largest_turn();
-                let (mut turns, mut scale) = ([0.0; LANES], [0.0; LANES]);
-                for lane in 0..S::F64_LANES {
-                    turns[lane] = get(turn, lane);
-                    scale[lane] = (LONGEST_TURN / turns[lane]).min(1.0);
-                }
-                let simd = pack.chain.simd;
-                let scale = Lane::load(simd, &scale, 0);
-                pack.chain.advance(Lane::splat(simd, 1.0), scale);
+                let turns = pack.take_sum();
                 pack.prepare(&stage);
                 pack.chain.shape();
                 turns
@@ -190,11 +183,32 @@ impl<S: Simd> SimdBatch<S> {
         self.chain.simd.vectorize(Advance(self))
     }
 
+    /// Takes the increments of the last linearisation with the response in the workspace. Returns
+    /// the largest increment of each lane, rad.
+    #[inline(always)]
+    pub(super) fn take_sum(&mut self) -> [f64; LANES] {
+        for i in 0..2 * self.chain.n {
+            let sum = self.chain.vec(&self.chain.kept.step, i)
+                + self.chain.vec(&self.chain.room.solution, i);
+            store(&mut self.chain.kept.step, i, sum);
+        }
+        let turn = self.chain.largest_turn();
+        let (mut turns, mut scale) = ([0.0; LANES], [0.0; LANES]);
+        for lane in 0..S::F64_LANES {
+            turns[lane] = get(turn, lane);
+            scale[lane] = (LONGEST_TURN / turns[lane]).min(1.0);
+        }
+        let simd = self.chain.simd;
+        let scale = Lane::load(simd, &scale, 0);
+        self.chain.advance(Lane::splat(simd, 1.0), scale);
+        turns
+    }
+
     /// Recomputes the coefficients of the step under way in a workspace that was just borrowed.
     #[inline(always)]
     fn resume(&mut self) {
         self.recall_directors();
-        let stage = self.stage(&self.last_dt, StepProblem::Step);
+        let stage = self.stage(&self.last_dt, self.problem);
         self.prepare(&stage);
     }
 
@@ -214,7 +228,7 @@ impl<S: Simd> SimdBatch<S> {
 
     /// Recomputes the directors at the start of the step under way.
     #[inline(always)]
-    fn recall_directors(&mut self) {
+    pub(super) fn recall_directors(&mut self) {
         let all = Lane::splat(self.chain.simd, 1.0);
         keep_directors(&mut self.chain.room.d_start, &self.before.q, all);
     }

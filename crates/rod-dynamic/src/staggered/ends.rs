@@ -1,6 +1,7 @@
 //! Boundary conditions of the two ends of each fibre of a SIMD batch.
 
 use super::array::{at, set};
+use crate::support::Restraints;
 use crate::{End, Instant, Load};
 use nalgebra::Vector3;
 use pulp::Simd;
@@ -33,20 +34,19 @@ pub(super) struct Ends<S: Simd> {
     pub(super) tip_reaction: [S::f64s; 3],
     /// Whether any lane has a free root.
     pub(super) any_root_free: bool,
-    /// Whether any lane has a joint at its tip.
-    pub(super) any_tip_joint: bool,
     /// 1 where moments or follower forces act, which have no potential.
     pub(super) circulatory: S::f64s,
     /// Whether moments or follower forces act in any lane.
     pub(super) any_circulatory: bool,
 }
 
-/// The kind of an [`End`].
+/// How the position of an [`End`] is held.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum EndKind {
     Held,
-    Pinned,
     Loaded,
+    /// Along each axis by itself.
+    Supported,
 }
 
 /// Kinds of the two ends of one lane.
@@ -56,18 +56,21 @@ pub(super) struct Held {
     pub(super) tip: EndKind,
     /// Whether all loads have a potential; moments and follower forces have none.
     pub(super) conservative: bool,
+    /// Whether an end has a support of freedoms one by one.
+    pub(super) supported: bool,
 }
 
 impl Held {
     /// A clamped root and a free tip: placeholder for lanes that are not in use.
     pub(super) const CLAMPED: Self =
-        Self { root: EndKind::Held, tip: EndKind::Loaded, conservative: true };
+        Self { root: EndKind::Held, tip: EndKind::Loaded, conservative: true, supported: false };
 
     /// Whether the step minimises the potential freely; a held tip makes it a problem of saddle
-    /// points, where the energy of an iterate that leaves a gap says nothing.
+    /// points, where the energy of an iterate that leaves a gap says nothing. That of supports is
+    /// not counted.
     #[inline(always)]
     pub(super) fn minimizes(&self) -> bool {
-        self.conservative && self.tip == EndKind::Loaded
+        self.conservative && !self.supported && self.tip == EndKind::Loaded
     }
 }
 
@@ -90,7 +93,6 @@ impl<S: Simd> Ends<S> {
             tip_moment: load,
             tip_reaction: [zero; 3],
             any_root_free: false,
-            any_tip_joint: false,
             circulatory: zero,
             any_circulatory: false,
         }
@@ -123,13 +125,9 @@ impl<S: Simd> Ends<S> {
         put(
             std::slice::from_mut(&mut self.root_free),
             lane,
-            &[f64::from(root.kind == EndKind::Loaded)],
+            &[f64::from(root.kind != EndKind::Held)],
         );
-        put(
-            std::slice::from_mut(&mut self.root_joint),
-            lane,
-            &[f64::from(root.kind == EndKind::Held)],
-        );
+        put(std::slice::from_mut(&mut self.root_joint), lane, &[f64::from(root.joint)]);
         put(&mut self.root_position, lane, root.position.as_slice());
         put(&mut self.root_frame, lane, &root.frame);
         put_load(&mut self.root_force, lane, &root.force);
@@ -138,23 +136,20 @@ impl<S: Simd> Ends<S> {
         put(
             std::slice::from_mut(&mut self.tip_held),
             lane,
-            &[f64::from(tip.kind != EndKind::Loaded)],
-        );
-        put(
-            std::slice::from_mut(&mut self.tip_joint),
-            lane,
             &[f64::from(tip.kind == EndKind::Held)],
         );
+        put(std::slice::from_mut(&mut self.tip_joint), lane, &[f64::from(tip.joint)]);
         put(&mut self.tip_position, lane, tip.position.as_slice());
         put(&mut self.tip_frame, lane, &tip.frame);
         put_load(&mut self.tip_force, lane, &tip.force);
         put_load(&mut self.tip_moment, lane, &tip.moment);
-        if !was_held && tip.kind != EndKind::Loaded {
+        if (!was_held && tip.kind != EndKind::Loaded) || tip.kind == EndKind::Supported {
             put(&mut self.tip_reaction, lane, &reaction);
         }
         let conservative = root.conservative() && tip.conservative();
         put(std::slice::from_mut(&mut self.circulatory), lane, &[f64::from(!conservative)]);
-        Held { root: root.kind, tip: tip.kind, conservative }
+        let supported = [now.root, now.tip].iter().any(|end| matches!(end, End::Supported(_)));
+        Held { root: root.kind, tip: tip.kind, conservative, supported }
     }
 }
 
@@ -166,6 +161,8 @@ pub(super) fn frame(end: &End) -> [f64; 4] {
 /// Components of one end, zero where its kind has none.
 struct EndPart {
     kind: EndKind,
+    /// Whether a joint clamps the frame.
+    joint: bool,
     position: Vector3<f64>,
     frame: [f64; 4],
     force: Load,
@@ -180,7 +177,8 @@ impl EndPart {
 
     fn of(end: &End) -> Self {
         let none = Self {
-            kind: EndKind::Pinned,
+            kind: EndKind::Held,
+            joint: false,
             position: Vector3::zeros(),
             frame: [0.0, 0.0, 0.0, 1.0],
             force: Load::ZERO,
@@ -188,13 +186,30 @@ impl EndPart {
         };
         match *end {
             End::Held(pose) => Self {
-                kind: EndKind::Held,
+                joint: true,
                 position: pose.translation.vector,
                 frame: pose.rotation.coords.into(),
                 ..none
             },
             End::Pinned { position, moment } => Self { position: position.coords, moment, ..none },
             End::Loaded { force, moment } => Self { kind: EndKind::Loaded, force, moment, ..none },
+            End::Supported(support) => {
+                let kind = match Restraints::of(&support.translations) {
+                    Restraints::Held => EndKind::Held,
+                    Restraints::Free => EndKind::Loaded,
+                    Restraints::Mixed => EndKind::Supported,
+                };
+                let rotations = Restraints::of(&support.rotations);
+                let joint = rotations != Restraints::Free;
+                Self {
+                    kind,
+                    joint,
+                    position: support.pose.translation.vector,
+                    frame: if joint { support.pose.rotation.coords.into() } else { none.frame },
+                    force: if kind == EndKind::Held { none.force } else { support.force },
+                    moment: if joint { none.moment } else { support.moment },
+                }
+            }
         }
     }
 }

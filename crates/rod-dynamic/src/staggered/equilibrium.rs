@@ -157,7 +157,7 @@ fn least(
             let end = pieces.pop()?.with_end_load(force);
             pieces.push(end);
         }
-        End::Pinned { .. } | End::Loaded { .. } => return None,
+        End::Pinned { .. } | End::Loaded { .. } | End::Supported(_) => return None,
     }
     let mut chain = Chain::new(&clamp, &pieces, last).ok()?;
     if !node_forces.is_empty() {

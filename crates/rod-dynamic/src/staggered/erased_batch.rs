@@ -4,6 +4,7 @@ use super::answers::BatchResponse;
 use super::attempt::BatchAttempts;
 use super::coupled_step::BatchCoupledStep;
 use super::inputs::BatchInputs;
+use super::joint_loads::BatchJointLoads;
 use super::ledger::BatchLedger;
 use super::memory::BatchMemory;
 use super::readout::BatchReadout;
@@ -20,6 +21,7 @@ pub(super) trait ErasedBatch:
     + BatchLedger
     + BatchCoupledStep
     + BatchResponse
+    + BatchJointLoads
     + Send
     + Sync
 {

@@ -4,9 +4,11 @@ use super::array::{self, at, set};
 use super::ends::EndKind;
 use super::scheme::Scheme;
 use super::simd_batch::SimdBatch;
+use super::supports::SupportLanes;
 use crate::joint::Joint;
-use crate::{End, Impulses, Instant, Load, Rod, RodState};
-use nalgebra::{Matrix3, Rotation3, Vector3};
+use crate::support::Restraints;
+use crate::{End, EndSupport, Impulses, Instant, Load, Restraint, Rod, RodState};
+use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
 use pulp::Simd;
 use rapunzel_fiber::so3;
 
@@ -49,7 +51,7 @@ impl<S: Simd> BatchInputs for SimdBatch<S> {
         let reaction = [0, 1, 2].map(|i| at(&self.chain.force, 3 * (self.chain.n - 1) + i, lane));
         self.held[lane] = self.chain.ends.set(lane, &now, reaction);
         self.chain.ends.any_root_free = self.held.iter().any(|h| h.root == EndKind::Loaded);
-        self.chain.ends.any_tip_joint = self.held.iter().any(|h| h.tip == EndKind::Held);
+        self.set_supports(lane, &now);
         self.chain.ends.any_circulatory = self.held.iter().any(|h| !h.conservative);
     }
 
@@ -138,11 +140,19 @@ impl<S: Simd> BatchInputs for SimdBatch<S> {
                 set(&mut self.moments, 3 * e + i, lane, moment[i]);
             }
         }
-        let (last, free) = (nodes.len() - 1, Vector3::zeros());
+        let last = nodes.len() - 1;
         for (a, impulse) in nodes.iter().enumerate() {
-            let is_held = (a == 0 && held.root != EndKind::Loaded)
-                || (a == last && held.tip != EndKind::Loaded);
-            let (impulse, absorbed) = if is_held { (&free, impulse) } else { (impulse, &free) };
+            let kind = match a {
+                0 => held.root,
+                a if a == last => held.tip,
+                _ => EndKind::Loaded,
+            };
+            let absorbed = match (kind, &self.chain.supports) {
+                (EndKind::Held, _) => *impulse,
+                (EndKind::Supported, Some(both)) => both[usize::from(a > 0)].kept(lane, impulse),
+                _ => Vector3::zeros(),
+            };
+            let impulse = impulse - absorbed;
             for i in 0..3 {
                 set(&mut self.impulses, 3 * a + i, lane, impulse[i]);
                 if a == 0 || a == last {
@@ -154,6 +164,57 @@ impl<S: Simd> BatchInputs for SimdBatch<S> {
 }
 
 impl<S: Simd> SimdBatch<S> {
+    /// Sets the supports of the ends of one lane, and where the frame of a supported end starts: as
+    /// it lies on the half segment at that end, but for what is held.
+    fn set_supports(&mut self, lane: usize, now: &Instant) {
+        let ends = [&now.root, &now.tip].map(|end| match end {
+            End::Supported(support) => Some(support),
+            _ => None,
+        });
+        // A free root beside a tip that is held follows from the reaction there.
+        let hangs =
+            matches!(now.root, End::Loaded { .. }) && !matches!(now.tip, End::Loaded { .. });
+        let needed = hangs || ends.iter().any(Option::is_some);
+        if !needed && self.chain.supports.is_none() {
+            return;
+        }
+        let loose = EndSupport {
+            pose: Isometry3::identity(),
+            axes: UnitQuaternion::identity(),
+            translations: [Restraint::Free; 3],
+            rotations: [Restraint::Free; 3],
+            force: Load::ZERO,
+            moment: Load::ZERO,
+        };
+        let ends = [ends[0].or(hangs.then_some(&loose)), ends[1]];
+        let frames = [0, 1].map(|k| self.end_frame(lane, k, [&now.root, &now.tip][k]));
+        let supports =
+            self.chain.supports.get_or_insert_with(|| Box::new([SupportLanes::none(); 2]));
+        for (k, support) in ends.into_iter().enumerate() {
+            supports[k].set(lane, support, hangs && k == 0);
+            let Some(frame) = frames[k] else { continue };
+            let own = &mut self.chain.ends;
+            let array = if k == 0 { &mut own.root_frame } else { &mut own.tip_frame };
+            for (i, x) in frame.into_iter().enumerate() {
+                set(array, i, lane, x);
+            }
+        }
+    }
+
+    /// Frame of the end `k` (0 for the root) at the start of the step as a quaternion, if its
+    /// support leaves that partly free.
+    pub(super) fn end_frame(&self, lane: usize, k: usize, end: &End) -> Option<[f64; 4]> {
+        let End::Supported(support) = end else { return None };
+        if Restraints::of(&support.rotations) != Restraints::Mixed {
+            return None;
+        }
+        let (segment, joint, sign) =
+            if k == 0 { (0, 0, -1.0) } else { (self.chain.n - 1, self.chain.n, 1.0) };
+        let turn = so3::exp(&(sign * self.vector(&self.phi, joint, lane)));
+        let frame = self.rotation(segment, lane) * so3::quaternion(&turn);
+        Some(support.nearest(&frame).coords.into())
+    }
+
     fn set_turn(&mut self, lane: usize, joint: usize, turn: &Vector3<f64>) {
         for i in 0..3 {
             set(&mut self.phi, 3 * joint + i, lane, turn[i]);
@@ -163,13 +224,19 @@ impl<S: Simd> SimdBatch<S> {
 
 /// An end with its follower loads in the frame of the adjoining segment, from which the frame of
 /// the end is rotated by `turn` where no moment bends it further.
-fn ahead(end: &End, turn: &Vector3<f64>) -> End {
+pub(super) fn ahead(end: &End, turn: &Vector3<f64>) -> End {
     let moved = |load: &Load| match load {
         Load::Follower(v) => Load::Follower(so3::exp(turn) * v),
         Load::World(_) => *load,
     };
     match end {
         End::Loaded { force, moment } => End::Loaded { force: moved(force), moment: moved(moment) },
+        End::Supported(support) => {
+            // The moment on a frame that is unknown follows that frame itself.
+            let free = Restraints::of(&support.rotations) == Restraints::Free;
+            let moment = if free { moved(&support.moment) } else { support.moment };
+            End::Supported(EndSupport { force: moved(&support.force), moment, ..*support })
+        }
         _ => *end,
     }
 }

@@ -103,3 +103,20 @@ pub(super) fn turn<S: Simd>(from: [V3<S>; 3], to: [V3<S>; 3]) -> V3<S> {
     let sum = from[0].cross(to[0]) + from[1].cross(to[1]) + from[2].cross(to[2]);
     sum.scale(sum.0[0].lift(0.5))
 }
+
+/// Moment, energy and Hessian of one joint.
+pub(super) struct JointEffect<S: Simd> {
+    /// Moment on the segment before the joint, N m, world.
+    pub(super) moment: V3<S>,
+    pub(super) energy: Lane<S>,
+    pub(super) hessian: Sym<S>,
+}
+
+impl<S: Simd> JointEffect<S> {
+    #[inline(always)]
+    pub(super) fn none(simd: S) -> Self {
+        let (zero, v) = (Lane::splat(simd, 0.0), V3::splat(simd, 0.0));
+        let sym = Sym::diagonal(zero);
+        Self { moment: v, energy: zero, hessian: sym }
+    }
+}

@@ -19,15 +19,13 @@
 //! joint with a law stores and dissipates what the law says; its moment after the step also stands
 //! for the one before it.
 
-use super::array::{at, set};
 use super::chain::RotationChain;
-use super::ends;
 use super::joint_geometry::{moment, slope_of_log, turn};
 use super::laws::Turns;
 use super::ledger_lanes::LedgerLanes;
 use super::scheme::{Rates, Stage, StepProblem};
 use super::simd_batch::SimdBatch;
-use crate::{End, Instant, Ledger};
+use crate::{Instant, Ledger};
 use pulp::{NullaryFnOnce, Simd};
 use rapunzel_lanes::{LANES, Lane, V3};
 
@@ -66,24 +64,7 @@ pub(super) trait BatchLedger {
 
 impl<S: Simd> BatchLedger for SimdBatch<S> {
     fn open_ledger(&mut self, lane: usize, now: &Instant, known: bool) {
-        let n = self.chain.n;
-        let joined = self.chain.ends.joined(lane);
-        let parts: [(usize, usize, &End); 2] = [(0, 0, &now.root), (n, n - 1, &now.tip)];
-        for (k, (node, segment, end)) in parts.into_iter().enumerate() {
-            for (i, x) in ends::frame(end).into_iter().enumerate() {
-                set(&mut self.outset.frames[k], i, lane, x);
-            }
-            for i in 0..3 {
-                let force = at(&self.chain.force, 3 * segment + i, lane);
-                set(&mut self.outset.forces[k], i, lane, force);
-            }
-            let strain = self.vector(&self.phi, node, lane)
-                - self.vector(&self.chain.model.rest, node, lane);
-            let stored = if joined[k] { self.stored(lane, node, &strain) } else { 0.0 };
-            set(&mut self.outset.stored, k, lane, stored);
-        }
-        let share = if known && self.schemes[lane].remembers() { 0.5 } else { 1.0 };
-        set(std::slice::from_mut(&mut self.outset.share), 0, lane, share);
+        self.open_ends(lane, now, known);
     }
 
     fn account(&mut self, dt: &[f64; LANES], done: &[bool; LANES]) -> [Ledger; LANES] {
@@ -145,12 +126,13 @@ impl<S: Simd> SimdBatch<S> {
             if j == 0 {
                 outer = self.chain.world(ends.root_moment, frames[1]);
                 lines.loads = lines.loads + outer.dot(after);
-                self.support([zero - bend.moments[0], zero - right], turns[0], &mut lines);
+                let moments = [zero - bend.moments[0], zero - right];
+                self.book_end_turn(0, moments, turns[0], clamps[0], &mut lines);
             } else if j == n {
                 let moment = self.chain.world(ends.tip_moment, self.chain.directors(n - 1));
                 lines.loads = lines.loads + moment.dot(before);
                 torque += moment;
-                self.support(bend.moments, turns[1], &mut lines);
+                self.book_end_turn(1, bend.moments, turns[1], clamps[1], &mut lines);
             }
             if j > 0 {
                 // The segment before the joint is complete with it.
@@ -168,37 +150,6 @@ impl<S: Simd> SimdBatch<S> {
         }
         self.move_outset(stored, done);
         lines
-    }
-
-    /// Records the state of the ends after the step as the start of the next one, in the lanes that
-    /// are `done`.
-    #[inline(always)]
-    fn move_outset(&mut self, stored: [Lane<S>; 2], done: &[bool; LANES]) {
-        let (simd, n) = (self.chain.simd, self.chain.n);
-        let done = self.flags(done);
-        let keep = |new: S::f64s, old: &mut S::f64s| {
-            *old = done.positive().select(Lane::new(simd, new), Lane::new(simd, *old)).value;
-        };
-        let (ends, out) = (&self.chain.ends, &mut self.outset);
-        for (k, (frame, segment)) in
-            [(&ends.root_frame, 0), (&ends.tip_frame, n - 1)].into_iter().enumerate()
-        {
-            frame.iter().zip(&mut out.frames[k]).for_each(|(new, old)| keep(*new, old));
-            let force = &self.chain.force[3 * segment..3 * segment + 3];
-            force.iter().zip(&mut out.forces[k]).for_each(|(new, old)| keep(*new, old));
-            keep(stored[k].value, &mut out.stored[k]);
-        }
-        let share = self.schemes.map(|scheme| if scheme.remembers() { 0.5 } else { 1.0 });
-        keep(Lane::load(simd, &share, 0).value, &mut out.share);
-    }
-
-    /// Books the work of the reactions before and after the step along the displacement `way`.
-    #[inline(always)]
-    fn support(&self, reactions: [V3<S>; 2], way: V3<S>, lines: &mut LedgerLanes<S>) {
-        let share = Lane::new(self.chain.simd, self.outset.share);
-        let change = (reactions[0] - reactions[1]).scale(share.lift(1.0) - share).dot(way);
-        lines.supports = lines.supports + reactions[1].dot(way) + change;
-        lines.integrator = lines.integrator - change;
     }
 
     #[inline(always)]
@@ -234,43 +185,13 @@ impl<S: Simd> SimdBatch<S> {
         lines.gravity = lines.gravity + weight.dot(way);
         let loads = distributed.scale(length) + chain.vec_or_zero(&self.node_forces, a);
         lines.loads = lines.loads + loads.dot(way);
+        lines.joints = lines.joints + chain.vec_or_zero(&self.joint_forces, a).dot(way);
         // Ends: `before` is inertia less loads at the start of the step.
         if a == 0 || a == n {
             let forces = weight + loads + air(rates.v, rates.v, tangent);
             let before = rates.acceleration.scale(mass) - forces;
             self.book_end(a, before, way, motion.mean, lines);
         }
-    }
-
-    /// Books loads and reactions of the end at node `a`. `before` is the reaction at the start of
-    /// the step without the force of the adjoining segment.
-    #[inline(always)]
-    fn book_end(
-        &self,
-        a: usize,
-        before: V3<S>,
-        way: V3<S>,
-        mean: V3<S>,
-        lines: &mut LedgerLanes<S>,
-    ) {
-        let (simd, n, chain, ends) = (self.chain.simd, self.chain.n, &self.chain, &self.chain.ends);
-        let k = usize::from(a == n);
-        let one = Lane::splat(simd, 1.0);
-        let (load, held, sign, segment) = if a == 0 {
-            (ends.root_force, one - Lane::new(simd, ends.root_free), -one, 0)
-        } else {
-            (ends.tip_force, Lane::new(simd, ends.tip_held), one, n - 1)
-        };
-        let load = chain.world(load, chain.directors(segment));
-        lines.loads = lines.loads + load.dot(way);
-        let force = |array: &[S::f64s], i: usize| V3::load(simd, array, i).scale(sign);
-        let before = before + force(&self.outset.forces[k], 0);
-        let after = way.scale(chain.one(&chain.room.mu, a)) - chain.vec(&chain.room.b, a)
-            + force(&chain.force, segment);
-        self.support([before.scale(held), after.scale(held)], way, lines);
-        let absorbed = V3::load(simd, &self.absorbed[k], 0).dot(mean);
-        lines.contacts = lines.contacts + absorbed;
-        lines.supports = lines.supports - absorbed;
     }
 
     /// Books rotary inertia of segment `e` and the difference of its chord and tangent. Returns its
@@ -285,11 +206,12 @@ impl<S: Simd> SimdBatch<S> {
         let zero = V3::splat(simd, 0.0);
         let force = chain.vec(&chain.force, e).scale(chain.one(&chain.model.h, e));
         lines.integrator = lines.integrator - force.dot(chord(2));
-        // Impulses beside the axis: their torque along the turn, of which the impulse along the
-        // rotation vector over the step is the work of contacts.
-        let mut torque = after[2].cross(force);
+        // Impulses beside the axis do work along the rotation vector over the step.
+        let joints = chain.vec_or_zero(&self.joint_moments, e);
+        lines.joints = lines.joints + joints.dot(turn);
+        let mut torque = after[2].cross(force) + joints;
         if !self.moments.is_empty() {
-            let pressed = chain.vec(&chain.room.torque, e);
+            let pressed = chain.vec(&chain.room.torque, e) - joints;
             let spin = self.step_rotation(e).scale(stage.dt.recip());
             let work = chain.vec(&self.moments, e).dot(spin);
             lines.contacts = lines.contacts + work;

@@ -16,6 +16,7 @@ pub(super) struct LedgerLanes<S: Simd> {
     pub(super) damping: Lane<S>,
     pub(super) supports: Lane<S>,
     pub(super) contacts: Lane<S>,
+    pub(super) joints: Lane<S>,
     pub(super) integrator: Lane<S>,
     pub(super) solver: Lane<S>,
 }
@@ -32,6 +33,7 @@ impl<S: Simd> LedgerLanes<S> {
             damping: zero,
             supports: zero,
             contacts: zero,
+            joints: zero,
             integrator: zero,
             solver: zero,
         }
@@ -50,6 +52,7 @@ impl<S: Simd> LedgerLanes<S> {
                 damping: of(self.damping),
                 supports: of(self.supports),
                 contacts: of(self.contacts),
+                joints: of(self.joints),
                 integrator: of(self.integrator),
                 solver: of(self.solver),
             };

@@ -30,9 +30,13 @@ mod erased_batch;
 mod factor;
 mod history;
 mod inputs;
+mod joined_step;
 mod joint_geometry;
+mod joint_loads;
+mod joints;
 mod laws;
 mod ledger;
+mod ledger_ends;
 mod ledger_lanes;
 mod memory;
 mod model;
@@ -47,6 +51,8 @@ mod simd_batch;
 mod single;
 mod spin;
 mod stability;
+mod supported_ends;
+mod supports;
 mod workspace;
 
 pub use batch::StaggeredBatch;
@@ -54,4 +60,5 @@ pub use equilibrium::{EquilibriumError, equilibrium};
 pub use natural::{
     FittedFiber, bounded_natural_curvatures, fitted, fitted_end_load, natural_curvatures,
 };
+pub use search::expected_error;
 pub use single::Staggered;

@@ -73,8 +73,11 @@ impl<S: Simd> RotationChain<S> {
     #[inline(always)]
     pub(super) fn largest_turn(&self) -> Lane<S> {
         let mut turn = Lane::splat(self.simd, 0.0);
+        if self.supports.is_some() {
+            turn = self.largest_end_turn();
+        }
         if self.spins {
-            return self.largest_swing();
+            return turn.max(self.largest_swing());
         }
         for e in 0..self.n {
             turn = turn.max(self.vec(&self.kept.step, 2 * e + 1).max_abs());
@@ -146,5 +149,6 @@ impl<S: Simd> RotationChain<S> {
         let held = self.vec(&self.ends.tip_reaction, 0);
         let moved = fresh.positive().select(reaction.mul_add(scale, held), held);
         store(&mut self.ends.tip_reaction, 0, moved);
+        self.turn_ends(fresh, scale);
     }
 }

@@ -8,6 +8,8 @@ pub(super) struct Outset<S: Simd> {
     pub(super) forces: [[S::f64s; 3]; 2],
     /// Elastic energies of the joints at the two ends, J, zero where there is none.
     pub(super) stored: [S::f64s; 2],
+    /// Force and moment of the loads on supported ends, N and N m, world; zero at others.
+    pub(super) loads: [[[S::f64s; 3]; 2]; 2],
     /// Weight of the reactions after the step in their mean over the step; the reactions before it
     /// have the rest.
     pub(super) share: S::f64s,
@@ -16,6 +18,12 @@ pub(super) struct Outset<S: Simd> {
 impl<S: Simd> Outset<S> {
     pub(super) fn new() -> Self {
         let zero = S::f64s::zeroed();
-        Self { frames: [[zero; 4]; 2], forces: [[zero; 3]; 2], stored: [zero; 2], share: zero }
+        Self {
+            frames: [[zero; 4]; 2],
+            forces: [[zero; 3]; 2],
+            stored: [zero; 2],
+            loads: [[[zero; 3]; 2]; 2],
+            share: zero,
+        }
     }
 }

@@ -126,6 +126,9 @@ impl<S: Simd> BatchReadout for SimdBatch<S> {
             sum -= force(node - 1);
         }
         let mut added = sum * at(&kept.w, node, lane);
+        if let (Some(both), true) = (&self.chain.supports, node == 0 || node == n) {
+            added += both[usize::from(node == n)].moved(lane, &sum);
+        }
         if node == n {
             added += self.vector(&kept.gap, 0, lane);
         }
@@ -153,7 +156,7 @@ impl<S: Simd> SimdBatch<S> {
         Vector3::from_fn(|k, _| at(a, 3 * i + k, lane))
     }
 
-    fn rotation(&self, e: usize, lane: usize) -> UnitQuaternion<f64> {
+    pub(super) fn rotation(&self, e: usize, lane: usize) -> UnitQuaternion<f64> {
         quaternion(&self.chain.q, e, lane)
     }
 

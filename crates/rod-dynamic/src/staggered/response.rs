@@ -11,8 +11,9 @@ use super::array::{Array, at, fit, set, store, zeros};
 use super::chain::RotationChain;
 use super::factor::{DiagonalBlock, Factor, Right, WeightedFactor};
 use super::joint_geometry::hat;
-use super::scheme::{Stage, StepProblem};
+use super::scheme::Stage;
 use super::simd_batch::SimdBatch;
+use super::supports::BothSupports;
 use super::workspace::BatchWorkspace;
 use crate::Point;
 use nalgebra::Vector3;
@@ -66,12 +67,13 @@ fn answer<S: Simd, const K: usize>(
     stage: &Stage<S>,
     factor: &Factor<S>,
     right: &Right<S>,
+    ends: Option<(&BothSupports<S>, bool)>,
     from: usize,
     [values, turns, loads, solution]: [&mut [S::f64s]; 4],
 ) {
     let (simd, w) = (stage.dt.simd(), right.w);
     let n = w.len() - 1;
-    let gain = stage.c1 * stage.dt;
+    let (gain, one) = (stage.c1 * stage.dt, Lane::splat(simd, 1.0));
     let first = from.saturating_sub(1);
     let beside = !right.moments.is_empty();
     // Constraint row of segment e: c1 dt (w_e P_e - w_(e+1) P_(e+1)), e its node before. Torque:
@@ -80,8 +82,9 @@ fn answer<S: Simd, const K: usize>(
     for e in first..n {
         let (w0, w1) = (Lane::new(simd, w[e]), Lane::new(simd, w[e + 1]));
         for i in K * e..K * (e + 1) {
-            let before = V3::load(simd, values, i).scale(w0);
-            let here = V3::load(simd, values, i + K).scale(w1);
+            let (at_node, behind) = (V3::load(simd, values, i), V3::load(simd, values, i + K));
+            let before = moved(ends, [e, n], [w0, one], at_node);
+            let here = moved(ends, [e + 1, n], [w1, one], behind);
             let mut torque = V3::load(simd, turns, i);
             if beside {
                 let [x, y] = right.moments(simd, e);
@@ -116,8 +119,26 @@ fn answer<S: Simd, const K: usize>(
                     sum += right.moments(simd, a - 1)[1].cross(turn);
                 }
             }
-            store(values, i, sum.scale(Lane::new(simd, w[a]) * rate));
+            store(values, i, moved(ends, [a, n], [Lane::new(simd, w[a]), rate], sum));
         }
+    }
+}
+
+/// `rate` times what a force on node `a` of the last `n` does, by its inverse mass `w` and, at an
+/// end, by the mobility that a support of freedoms leaves; the flag says whether with added masses.
+#[inline(always)]
+fn moved<S: Simd>(
+    ends: Option<(&BothSupports<S>, bool)>,
+    [a, n]: [usize; 2],
+    [w, rate]: [Lane<S>; 2],
+    force: V3<S>,
+) -> V3<S> {
+    match ends {
+        Some((both, weighted)) if a == 0 || a == n => {
+            let own = both[usize::from(a == n)].mobility(w.simd(), weighted);
+            force.scale(w * rate) + own.apply(force.scale(rate))
+        }
+        _ => force.scale(w * rate),
     }
 }
 
@@ -134,7 +155,7 @@ impl<S: Simd> SimdBatch<S> {
             type Output = ();
             #[inline(always)]
             fn call(self) {
-                let stage = self.0.stage(&self.0.last_dt, StepProblem::Step);
+                let stage = self.0.stage(&self.0.last_dt, self.0.problem);
                 match self.1 {
                     Question::Respond(inertia, from) => {
                         self.0.solve_response(&stage, inertia, from);
@@ -142,9 +163,10 @@ impl<S: Simd> SimdBatch<S> {
                     Question::RespondThrice(from, columns) => {
                         let ImpulseColumns { values, turns, loads, solution } = columns;
                         let columns = [values, turns, loads, solution].map(|array| &mut array[..]);
-                        let kept = &self.0.chain.kept;
+                        let RotationChain { kept, supports, .. } = &self.0.chain;
+                        let ends = supports.as_deref().map(|both| (both, false));
                         let right = kept.right(&kept.w, &[]);
-                        answer::<S, 3>(&stage, &kept.factor, &right, from, columns);
+                        answer::<S, 3>(&stage, &kept.factor, &right, ends, from, columns);
                     }
                     Question::Blocks => self.0.solve_blocks(&stage),
                     Question::Weigh(points, masses) => {
@@ -158,7 +180,7 @@ impl<S: Simd> SimdBatch<S> {
 
     #[inline(always)]
     pub(super) fn solve_response(&mut self, stage: &Stage<S>, inertia: Inertia, from: usize) {
-        let RotationChain { kept, room, .. } = &mut self.chain;
+        let RotationChain { kept, room, supports, .. } = &mut self.chain;
         let (w, moments, factor) = match (inertia, &self.weighted) {
             (Inertia::Weighted, Some(weighted)) => {
                 (&weighted.w, &weighted.moments[..], &weighted.factor)
@@ -167,13 +189,15 @@ impl<S: Simd> SimdBatch<S> {
         };
         let BatchWorkspace { values, turns, loads, solution, .. } = room;
         let columns = [values, turns, loads, solution].map(|array| &mut array[..]);
-        answer::<S, 1>(stage, factor, &kept.right(w, moments), from, columns);
+        let weighted = inertia == Inertia::Weighted && self.weighted.is_some();
+        let ends = supports.as_deref().map(|both| (both, weighted));
+        answer::<S, 1>(stage, factor, &kept.right(w, moments), ends, from, columns);
     }
 
     #[inline(always)]
     fn solve_blocks(&mut self, stage: &Stage<S>) {
         let (simd, n) = (self.chain.simd, self.chain.n);
-        let RotationChain { kept, room, .. } = &mut self.chain;
+        let RotationChain { kept, room, supports, .. } = &mut self.chain;
         let right = kept.right(&kept.w, &[]);
         kept.factor.inverse_blocks(simd, &right, &mut room.diagonal, &mut room.right);
         let one = Lane::splat(simd, 1.0);
@@ -199,7 +223,12 @@ impl<S: Simd> SimdBatch<S> {
                     [V3::load(simd, right, 0), V3::load(simd, right, 1), V3::load(simd, right, 2)];
                 inner = inner - Sym::twice_symmetric_part(M3(rows));
             }
-            let block = (Sym::diagonal(one) + inner.scale(w)).scale(w * stage.c1);
+            let mut block = (Sym::diagonal(one) + inner.scale(w)).scale(w * stage.c1);
+            if let (Some(both), true) = (supports.as_deref(), a == 0 || a == n) {
+                let own = both[usize::from(a == n)].mobility(simd, false);
+                let round = Sym::symmetric_part(own.times(inner.times(own.full())));
+                block = block + (own + round).scale(stage.c1);
+            }
             for i in 0..6 {
                 room.blocks[6 * a + i] = block.0[i].value;
             }
@@ -213,7 +242,7 @@ impl<S: Simd> SimdBatch<S> {
     fn factorize_weighted(&mut self, stage: &Stage<S>, points: &[Point], masses: &[f64]) {
         let (simd, n) = (self.chain.simd, self.chain.n);
         self.reassemble();
-        let RotationChain { model, kept, room, .. } = &mut self.chain;
+        let RotationChain { model, kept, room, supports, .. } = &mut self.chain;
         let weighted = self.weighted.get_or_insert_with(|| WeightedFactor::new(n));
         weighted.used = true;
         // Masses of the nodes and inertias of d3 that the points add.
@@ -254,6 +283,9 @@ impl<S: Simd> SimdBatch<S> {
             let free = Lane::new(simd, kept.w[a]);
             let mu = stage.c1.mul_add(Lane::new(simd, room.mass[a]), Lane::new(simd, room.mu[a]));
             weighted.w[a] = free.positive().select(mu.recip(), free).value;
+            if let (Some(both), true) = (supports.as_deref_mut(), a == 0 || a == n) {
+                both[usize::from(a == n)].set_mobility(mu, true);
+            }
         }
         for moment in &mut weighted.moments[..] {
             *moment = (Lane::new(simd, *moment) * stage.c1).value;
@@ -268,8 +300,14 @@ impl<S: Simd> SimdBatch<S> {
             let hessian = Sym::load(simd, &room.hessian, e);
             let across = Sym::diagonal(inertia) - Sym::outer(d).scale(inertia);
             let (w0, w1) = (Lane::new(simd, weighted.w[e]), Lane::new(simd, weighted.w[e + 1]));
+            let none = Sym::diagonal(w0.lift(0.0));
+            let at_end = |k: usize, here: bool| match supports.as_deref() {
+                Some(both) if here => both[k].mobility(simd, true),
+                _ => none,
+            };
+            let (end0, end1) = (at_end(0, e == 0), at_end(1, e + 1 == n));
             let mut block = DiagonalBlock {
-                compliance: Sym::diagonal(-(w0 + w1)),
+                compliance: Sym::diagonal(-(w0 + w1)) - end0 - end1,
                 lever: hat(d.scale(h)),
                 stiffness: hessian + across,
                 load: zero,
@@ -280,11 +318,15 @@ impl<S: Simd> SimdBatch<S> {
                 // Nodes with moments are eliminated: [[-w0 - w1, w1 hat(y) - w0 hat(x)],
                 // [., w0 hat(x)^2 + w1 hat(y)^2]].
                 let [x, y] = right.moments(simd, e);
-                block.lever = block.lever + hat(y.scale(w1) - x.scale(w0));
+                block.lever = block.lever + hat(y.scale(w1) - x.scale(w0)) + end1.times(hat(y))
+                    - end0.times(hat(x));
                 let square =
                     |v: V3<S>, w: Lane<S>| (Sym::outer(v) - Sym::diagonal(v.dot(v))).scale(w);
+                let turned =
+                    |v: V3<S>, end: Sym<S>| Sym::symmetric_part(hat(v).times(end.times(hat(v))));
                 let gyration = Sym::load(simd, &room.gyration, e).scale(stage.c1);
                 block.stiffness = block.stiffness + square(x, w0) + square(y, w1) + gyration;
+                block.stiffness = block.stiffness + turned(x, end0) + turned(y, end1);
             }
             let row = |i: usize| V3::load(simd, &kept.coupling, 3 * e + i);
             let coupling = M3([row(0), row(1), row(2)]);

@@ -141,9 +141,11 @@ impl Search {
     }
 }
 
-/// The error expected after an increment `turn` that followed an increment `before`: quadratic
-/// convergence where the two show it and the Hessian was exact, linear otherwise.
-fn expected_error(turn: f64, before: f64, exact: bool) -> f64 {
+/// The error expected after an increment `turn` of Newton's method that followed an increment
+/// `before`, infinite if none did, rad: quadratic convergence where the two show it and the Hessian
+/// was exact, linear otherwise.
+#[must_use]
+pub fn expected_error(turn: f64, before: f64, exact: bool) -> f64 {
     let rate = turn / (before * before);
     if exact && rate < 30.0 {
         turn * turn * rate.max(1.0)

@@ -43,6 +43,11 @@ pub(super) struct SimdBatch<S: Simd> {
     pub(super) absorbed: [[S::f64s; 3]; 2],
     /// Additional forces on the nodes, N (3 per node), empty until set.
     pub(super) node_forces: Array<S>,
+    /// Forces of joints on the nodes at the end of the step, N (3 per node), empty until set.
+    pub(super) joint_forces: Array<S>,
+    /// Moments of joints on the segments at the end of the step, N m (3 per segment), empty until
+    /// set.
+    pub(super) joint_moments: Array<S>,
     /// Gravity, force per length and wind (3 each), drag across the fibre, and drag across less
     /// drag along it.
     pub(super) fields: [S::f64s; 11],
@@ -50,6 +55,8 @@ pub(super) struct SimdBatch<S: Simd> {
     pub(super) any_damping: bool,
     /// State that an attempt changes, as it was at the start of the step.
     pub(super) before: Before<S>,
+    /// Problem that a step in several calls solves.
+    pub(super) problem: StepProblem,
     /// Step sizes of the last attempt, s, for later queries to its factors.
     pub(super) last_dt: [f64; LANES],
     /// Factors with masses added at points, if they have been asked for.
@@ -99,6 +106,8 @@ impl<S: Simd> SimdBatch<S> {
             moments: zeros::<S>(0),
             absorbed: [[S::f64s::zeroed(); 3]; 2],
             node_forces: zeros::<S>(0),
+            joint_forces: zeros::<S>(0),
+            joint_moments: zeros::<S>(0),
             fields: [S::f64s::zeroed(); 11],
             held: [Held::CLAMPED; LANES],
             before: Before {
@@ -107,6 +116,7 @@ impl<S: Simd> SimdBatch<S> {
                 phi: zeros::<S>(0),
                 ends: Ends::new(),
             },
+            problem: StepProblem::Step,
             last_dt: [1.0; LANES],
             weighted: None,
             borrowed: None,
@@ -174,7 +184,8 @@ impl<S: Simd> SimdBatch<S> {
                 + distributed.scale(length)
                 + (wind - vc).scale(drag)
                 + tangent.scale(slip)
-                + self.chain.vec_or_zero(&self.node_forces, a);
+                + self.chain.vec_or_zero(&self.node_forces, a)
+                + self.chain.vec_or_zero(&self.joint_forces, a);
             let held = match a {
                 0 => one - Lane::new(simd, self.chain.ends.root_free),
                 a if a == n => Lane::new(simd, self.chain.ends.tip_held),
@@ -182,14 +193,22 @@ impl<S: Simd> SimdBatch<S> {
             };
             self.chain.room.mu[a] =
                 if stage.problem == StepProblem::Rest { zero } else { mu }.value;
-            self.chain.kept.w[a] = held.positive().select(zero, mu.recip()).value;
+            let mut w = held.positive().select(zero, mu.recip());
+            if let (Some(both), true) = (&mut self.chain.supports, a == 0 || a == n) {
+                let support = &mut both[usize::from(a == n)];
+                support.set_mobility(mu, false);
+                w = Lane::new(simd, support.shifts).positive().select(zero, w);
+            }
+            self.chain.kept.w[a] = w.value;
             store(&mut self.chain.room.b, a, b);
         }
         self.chain.room.start.copy_from_slice(&self.r);
-        // Segments: torques of impulses beside the axis, c1 dt a x P.
-        fit::<S>(&mut self.chain.room.torque, self.moments.len());
-        for e in 0..self.moments.len() / 3 {
-            let torque = self.chain.vec(&self.moments, e).scale(stage.c1 * stage.dt);
+        // Segments: torques of joints, and of impulses beside the axis, c1 dt a x P.
+        let torques = self.moments.len().max(self.joint_moments.len());
+        fit::<S>(&mut self.chain.room.torque, torques);
+        for e in 0..torques / 3 {
+            let pressed = self.chain.vec_or_zero(&self.moments, e).scale(stage.c1 * stage.dt);
+            let torque = pressed + self.chain.vec_or_zero(&self.joint_moments, e);
             store(&mut self.chain.room.torque, e, torque);
         }
         if self.chain.spins {

@@ -29,3 +29,5 @@ mod staggered_robust;
 mod staggered_spin;
 mod staggered_statics;
 mod staggered_swing;
+mod supported_ends;
+mod supported_response;

@@ -61,8 +61,9 @@ pub(super) fn groups<B: RodBatch + ?Sized>(
             bundle: Arc::clone(&start.conditions),
             segments: start.rod.fiber.segments(),
             root: *start.rod.fiber.root(),
-            tip: batch.state(lane).tip(&start.rod.fiber),
+            tip: start.tip.unwrap_or_else(|| batch.state(lane).tip(&start.rod.fiber)),
             end_load: start.end_load,
+            taken: Vec::new(),
             pulls: None,
         };
         let lanes = starts.iter().enumerate().map(lane).collect();

@@ -3,7 +3,9 @@
 mod batch;
 mod groom;
 mod groups;
+mod joined;
 mod natural;
+mod placed;
 mod stage;
 mod start;
 mod still;
@@ -12,11 +14,12 @@ use crate::mass_spring::MassSprings;
 use crate::objects::{Sizes, build_object};
 use crate::scene::{Probe, ProbeNode, Scene};
 use crate::stepper::{Scenery, Stepper};
-use crate::steppers::{Charged, Free, InContact};
+use crate::steppers::{Charged, Free, InContact, Joined};
 use crate::{Plan, SimError, World};
 use batch::batch;
 pub(crate) use groom::strand_count;
 use groups::{assembly, at_start, groups, in_contact};
+use joined::joined;
 use natural::give_natural_shapes;
 use rapunzel_charging::{ChargedRods, HeadGeometry};
 use rapunzel_coupling::{CollisionObject, Fibers};
@@ -98,6 +101,10 @@ fn stepper(
     }
     let keeps_ledger = scene.output.ledger || scene.stepper.may_create_energy();
     let tells_ledger = scene.output.ledger;
+    if scene.has_joints() {
+        let fibers = joined(scene, starts, assembly, keeps_ledger)?;
+        return Ok(Box::new(Joined { fibers, scenery, tells_ledger }));
+    }
     let Some(settings) = &scene.contact else {
         let groups = groups(&assembly, starts, |starts| {
             batch(scene.stepper.method(), scene.stepper.tolerance, starts)

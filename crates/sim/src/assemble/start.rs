@@ -1,15 +1,19 @@
 //! Fibres as the scene puts them.
 
 use super::groom::curves;
+use super::placed::{Laid, placed, untwisted};
 use super::stage::BuildStage;
 use crate::SimError;
 use crate::curve::knot;
 use crate::scene::{Arrangement, Bundle, FiberMatter, FiberShape, Initial, Scene, scalp};
-use nalgebra::{Point3, Vector3};
-use rapunzel_coupling::BundleConditions;
+use nalgebra::{Isometry3, Point3, Rotation3, UnitQuaternion, Vector3};
+use rapunzel_coupling::{BundleConditions, FiberConditions};
 use rapunzel_fiber::generate::{self, Ellipse, Helix, Lock, Overhand, Sine};
 use rapunzel_fiber::{Fiber, FiberError, NodeProperties, so3};
-use rapunzel_rod_dynamic::{End, Rod, RodIntegrator, RodState, SectionLaws, Staggered};
+use rapunzel_rod_dynamic::{
+    End, Rod, RodError, RodIntegrator, RodState, SectionLaws, Staggered, equilibrium,
+};
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
 /// One fibre of the scene, ready to be handed to an integrator.
@@ -20,19 +24,41 @@ pub(super) struct FiberStart {
     /// `None` for the natural shape, in which integrators start.
     pub(super) state: Option<RodState>,
     pub(super) velocity: Vector3<f64>,
+    /// Angular velocity, rad/s, and a point on its axis, world.
+    pub(super) spin: (Vector3<f64>, Point3<f64>),
+    /// Velocities of the nodes beside these, m/s; none, or one for each.
+    pub(super) velocities: Vec<Vector3<f64>>,
     pub(super) conditions: Arc<BundleConditions>,
     /// Load on the tip where the bundle leaves it free.
     pub(super) end_load: End,
+    /// Pose of the tip at the start, if it is not that of the state.
+    pub(super) tip: Option<Isometry3<f64>>,
 }
 
 impl FiberStart {
     /// The state to start in, if it is not that in which an integrator starts by itself.
     pub(super) fn moving(&self, natural: impl FnOnce() -> RodState) -> Option<RodState> {
-        if self.velocity == Vector3::zeros() {
+        let (spin, about) = self.spin;
+        let still = self.velocity == Vector3::zeros() && spin == Vector3::zeros();
+        if still && self.velocities.is_empty() {
             return self.state.clone();
         }
         let mut state = self.state.clone().unwrap_or_else(natural);
-        state.velocities.fill(self.velocity);
+        for (velocity, place) in state.velocities.iter_mut().zip(&state.positions) {
+            *velocity = self.velocity + spin.cross(&(place - about));
+        }
+        for (velocity, own) in state.velocities.iter_mut().zip(&self.velocities) {
+            *velocity += own;
+        }
+        // Sections turn with the whole; what the nodes add turns tangents only.
+        let lengths = self.rod.fiber.segment_lengths();
+        for (e, frame) in state.frames.iter().enumerate() {
+            let swing = match self.velocities.get(e..e + 2) {
+                Some(ends) => (frame * Vector3::z()).cross(&((ends[1] - ends[0]) / lengths[e])),
+                None => Vector3::zeros(),
+            };
+            state.angular_velocities[e] = frame.inverse_transform_vector(&(spin + swing));
+        }
         Some(state)
     }
 }
@@ -63,11 +89,15 @@ pub(super) fn starts(
     let seed = scene.seed.wrapping_add(index as u64);
     let (matter, laws) = matter(scene, bundle, index, 0.0)?;
     let invalid = |source| SimError::Fiber { bundle: index, source };
-    let laid_fibers: Vec<(Fiber, Option<RodState>)> = match &bundle.groom {
+    let laid_fibers: Vec<Laid> = match &bundle.groom {
         Some(groom) => {
             let curves = curves(groom, bundle, matter.thickest(), index, notes, at)?;
             let lay = |curve: &Vec<Point3<f64>>| {
-                along(curve, |lengths| matter.along(lengths)).map(|(f, s)| (f, Some(s)))
+                along(curve, |lengths| matter.along(lengths)).map(|(fiber, state)| Laid {
+                    fiber,
+                    state: Some(state),
+                    tip: None,
+                })
             };
             curves.iter().map(lay).collect::<Result<_, _>>().map_err(invalid)?
         }
@@ -75,25 +105,74 @@ pub(super) fn starts(
             let course = course(bundle, index)?;
             let fibers = natural(bundle, &matter, seed).map_err(invalid)?.into_iter();
             let lay = |fiber: Fiber| {
+                let radius = matter.middle_radius();
+                if let Some(laid) = placed(scene, bundle, &fiber, radius, index)? {
+                    return Ok(laid);
+                }
                 let state = laid(&fiber, &bundle.initial, course.as_deref(), index)?;
-                Ok((fiber, state))
+                Ok(Laid { fiber, state, tip: None })
             };
             fibers.map(lay).collect::<Result<_, SimError>>()?
         }
     };
-    let longest = laid_fibers.iter().map(|(fiber, _)| fiber.length()).fold(0.0, f64::max);
+    let longest = laid_fibers.iter().map(|laid| laid.fiber.length()).fold(0.0, f64::max);
     let conditions = BundleConditions::new(scene, bundle, longest, matter.middle_radius());
     let conditions = conditions.map_err(|source| SimError::Rod { bundle: index, source })?;
     let conditions = Arc::new(conditions);
-    let start = |(fiber, state)| FiberStart {
-        bundle: index,
-        state,
-        velocity: Vector3::from(bundle.velocity),
-        rod: Rod { laws: laws.clone(), ..Rod::damped(fiber, bundle.damping_time) },
-        conditions: Arc::clone(&conditions),
-        end_load: End::FREE,
+    let turns = bundle.closed.map_or(0.0, |closing| closing.turns);
+    let start = |Laid { fiber, mut state, tip }| {
+        let rod = Rod { laws: laws.clone(), ..Rod::damped(fiber, bundle.damping_time) };
+        if turns != 0.0 {
+            let mut own = match state {
+                Some(state) => state,
+                None => Staggered::new(rod.clone())?.state(),
+            };
+            twist(&mut own, turns);
+            state = Some(own);
+        }
+        Ok(FiberStart {
+            bundle: index,
+            state,
+            tip,
+            velocity: Vector3::from(bundle.velocity),
+            spin: (
+                Vector3::from(bundle.spin.rate.map(f64::to_radians)),
+                Point3::from(bundle.spin.about.unwrap_or(bundle.root.position)),
+            ),
+            velocities: bundle.velocities.iter().map(|v| Vector3::from(*v)).collect(),
+            rod,
+            conditions: Arc::clone(&conditions),
+            end_load: End::FREE,
+        })
     };
-    Ok(laid_fibers.into_iter().map(start).collect())
+    let starts: Result<Vec<_>, RodError> = laid_fibers.into_iter().map(start).collect();
+    let mut starts = starts.map_err(|source| SimError::Rod { bundle: index, source })?;
+    for start in &mut starts {
+        settle(start, bundle)?;
+        check_velocities(start, index)?;
+    }
+    Ok(starts)
+}
+
+/// Refuses velocities of nodes that stretch a segment.
+fn check_velocities(start: &FiberStart, bundle: usize) -> Result<(), SimError> {
+    // Those of one body stretch nothing.
+    if start.velocities.is_empty() {
+        return Ok(());
+    }
+    let natural = Staggered::new(start.rod.clone());
+    let natural = natural.map_err(|source| SimError::Rod { bundle, source })?.state();
+    let Some(state) = start.moving(|| natural) else { return Ok(()) };
+    let fastest = state.velocities.iter().map(|v| v.norm()).fold(0.0, f64::max);
+    for (e, frame) in state.frames.iter().enumerate() {
+        let apart = state.velocities[e + 1] - state.velocities[e];
+        if (frame * Vector3::z()).dot(&apart).abs() > 1e-6 * fastest {
+            let why = "stretch a segment: take away what their differences have along the tangents";
+            let source = RodError::Invalid { what: "velocities", why };
+            return Err(SimError::Rod { bundle, source });
+        }
+    }
+    Ok(())
 }
 
 /// A naturally straight fibre along a curve (world), m, and its state there, at rest; `nodes` gives
@@ -142,7 +221,13 @@ fn natural(bundle: &Bundle, matter: &FiberMatter, seed: u64) -> Result<Vec<Fiber
             let wound = Helix { radius, pitch, handedness }.bend(fiber.clone().with_root(pose))?;
             fiber = fiber.with_root(*wound.root());
         }
-        Initial::Straight | Initial::Overhand { .. } | Initial::Knot { .. } => {
+        Initial::Straight
+        | Initial::Taut
+        | Initial::Curve { .. }
+        | Initial::Solved { .. }
+        | Initial::Wrapped { .. }
+        | Initial::Overhand { .. }
+        | Initial::Knot { .. } => {
             fiber = fiber.with_root(pose);
         }
     }
@@ -172,8 +257,12 @@ fn natural(bundle: &Bundle, matter: &FiberMatter, seed: u64) -> Result<Vec<Fiber
 fn course(bundle: &Bundle, index: usize) -> Result<Option<Vec<Point3<f64>>>, SimError> {
     let lengths = lengths(bundle);
     let nodes = match &bundle.initial {
-        Initial::Natural | Initial::Helix { .. } => return Ok(None),
-        Initial::Straight => {
+        Initial::Natural
+        | Initial::Helix { .. }
+        | Initial::Curve { .. }
+        | Initial::Solved { .. }
+        | Initial::Wrapped { .. } => return Ok(None),
+        Initial::Straight | Initial::Taut => {
             let mut along = 0.0;
             let next = lengths.iter().map(|length| {
                 along += length;
@@ -211,34 +300,44 @@ fn laid(
     Ok(course.map(|nodes| untwisted(fiber, nodes)))
 }
 
-/// A state at rest along `nodes`, m, in the root's frame, which is carried along without a twist.
-fn untwisted(fiber: &Fiber, nodes: &[Point3<f64>]) -> RodState {
-    let root = fiber.root();
-    let positions = nodes.iter().map(|node| root * node).collect();
-    let mut frame = root.rotation.to_rotation_matrix();
-    let frames: Vec<_> = nodes
-        .windows(2)
-        .map(|ends| {
-            let tangent = root.rotation * (ends[1] - ends[0]);
-            // There is none only for a fibre that turns back on itself.
-            let turn = so3::between(&(frame * Vector3::z()), &tangent);
-            frame = turn.unwrap_or_default() * frame;
-            frame
-        })
-        .collect();
-    let segments = fiber.segments();
-    let mut curvatures = vec![Vector3::zeros(); segments + 1];
-    for (i, pair) in frames.windows(2).enumerate() {
-        let between = 0.5 * (fiber.segment_lengths()[i] + fiber.segment_lengths()[i + 1]);
-        curvatures[i + 1] = so3::log(&(pair[0].inverse() * pair[1])) / between;
+/// Lets a fibre settle to the equilibrium near its start, if its start is to be one.
+///
+/// # Errors
+/// [`SimError::Equilibrium`] where none is found.
+fn settle(start: &mut FiberStart, bundle: &Bundle) -> Result<(), SimError> {
+    if !matches!(bundle.initial, Initial::Taut | Initial::Solved { .. }) {
+        return Ok(());
     }
-    RodState {
-        time: 0.0,
-        positions,
-        velocities: vec![Vector3::zeros(); segments + 1],
-        frames,
-        angular_velocities: vec![Vector3::zeros(); segments],
-        forces: vec![Vector3::zeros(); segments],
-        curvatures,
+    let Some(state) = &start.state else { return Ok(()) };
+    let conditions = FiberConditions {
+        bundle: start.conditions.clone(),
+        segments: start.rod.fiber.segments(),
+        root: *start.rod.fiber.root(),
+        tip: start.tip.unwrap_or_else(|| state.tip(&start.rod.fiber)),
+        end_load: start.end_load,
+        taken: Vec::new(),
+        pulls: None,
+    };
+    let (mut rest, _) = equilibrium(&start.rod, &conditions.at(0.0), state)?;
+    rest.time = 0.0;
+    start.tip = Some(conditions.tip);
+    start.state = Some(rest);
+    Ok(())
+}
+
+/// Twists a fibre that starts in a state evenly about its tangents by so many turns over its
+/// length.
+fn twist(state: &mut RodState, turns: f64) {
+    let segments = state.frames.len();
+    let step = TAU * turns / segments as f64;
+    for (e, frame) in state.frames.iter_mut().enumerate() {
+        let turn = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), step * e as f64);
+        *frame = Rotation3::from(UnitQuaternion::from_rotation_matrix(frame) * turn);
+    }
+    let length = |e: usize| (state.positions[e + 1] - state.positions[e]).norm();
+    for a in 1..segments {
+        let [before, after] = [&state.frames[a - 1], &state.frames[a]];
+        let between = 0.5 * (length(a - 1) + length(a));
+        state.curvatures[a] = so3::log(&(before.inverse() * after)) / between;
     }
 }

@@ -5,7 +5,7 @@ use super::groups::{assembly, at_start, in_contact};
 use super::start::FiberStart;
 use crate::scene::{ContactSettings, Motion, RodMethod, Scene, Wind};
 use crate::{Plan, SimError};
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
 use rapunzel_coupling::{BundleConditions, CollisionObject, FibersInContact, Surroundings};
 use std::sync::Arc;
 
@@ -56,6 +56,8 @@ impl Still {
         let held = |start: &FiberStart| FiberStart {
             conditions: Arc::clone(&conditions[start.bundle]),
             velocity: Vector3::zeros(),
+            spin: (Vector3::zeros(), Point3::origin()),
+            velocities: Vec::new(),
             ..start.clone()
         };
         let starts = starts.iter().map(held).collect();

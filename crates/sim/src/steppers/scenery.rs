@@ -1,5 +1,5 @@
 use crate::folder::{SPRINGS_USD, USD};
-use crate::scene::{JointKind, MassSpring, Scene, Tip};
+use crate::scene::{MassSpring, Scene, Tip};
 use crate::stepper::{FiberStates, Scenery};
 use nalgebra::Vector3;
 use rapunzel_export::Strand;
@@ -119,21 +119,16 @@ fn fiber_supports(scene: &Scene, segments: &[Vec<usize>]) -> Vec<(Support, Range
     let fibers =
         bundles.flat_map(|(bundle, all)| all.iter().map(move |segments| (bundle, segments)));
     let supports = fibers.enumerate().flat_map(|(strand, (bundle, segments))| {
-        let by = |joint: &JointKind| match joint {
-            JointKind::Clamped => Some(true),
-            JointKind::Ball { .. } => Some(false),
-            JointKind::Free | JointKind::Loaded { .. } => None,
-        };
         let tip = match &bundle.tip {
             Tip::Free | Tip::Loaded { .. } => None,
             Tip::Pulled { until, .. } => Some((true, 0.0..*until)),
             Tip::Held => Some((true, ALWAYS)),
             Tip::Driven { joint, .. } | Tip::Led { joint, .. } => {
-                by(joint).map(|clamped| (clamped, ALWAYS))
+                joint.clamps().map(|clamped| (clamped, ALWAYS))
             }
         };
         // Roots of hair are many, and seen to be in the skin.
-        let root = by(&bundle.root_joint).filter(|_| bundle.groom.is_none());
+        let root = bundle.root_joint.clamps().filter(|_| bundle.groom.is_none());
         let root = root.map(|clamped| (clamped, ALWAYS));
         let ends = [(0, root), (*segments, tip)];
         ends.into_iter().filter_map(move |(point, hold)| {

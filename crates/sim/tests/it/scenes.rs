@@ -8,11 +8,12 @@ use std::path::PathBuf;
 /// Paths and texts of the scenes that stand alone: no style has to be grown for them.
 fn shipped() -> Vec<(PathBuf, String)> {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes");
-    let mut paths: Vec<_> = [folder.to_owned(), format!("{folder}/contact")]
-        .iter()
-        .flat_map(|folder| fs::read_dir(folder).expect("a folder of scenes"))
-        .map(|file| file.expect("a file").path())
-        .collect();
+    let mut paths: Vec<_> =
+        [folder.to_owned(), format!("{folder}/contact"), format!("{folder}/joined")]
+            .iter()
+            .flat_map(|folder| fs::read_dir(folder).expect("a folder of scenes"))
+            .map(|file| file.expect("a file").path())
+            .collect();
     paths.retain(|path| path.extension().is_some_and(|e| e == "ron"));
     paths.sort();
     assert!(paths.len() >= 16, "{paths:?}");
