@@ -2,6 +2,7 @@
 
 mod adjoint;
 mod band;
+mod branch;
 pub mod carlson;
 mod chain;
 mod continuation;
@@ -12,6 +13,7 @@ mod error;
 mod gauss;
 mod goal;
 mod lagrange;
+mod limit;
 mod linearized;
 mod mesh;
 mod newton;
@@ -33,14 +35,16 @@ mod trial;
 mod two_phase;
 
 pub use adjoint::{EndLoadDerivatives, ShapeDerivatives};
+pub use branch::{Branch, BranchEnd, BranchPoint, Sweep};
 pub use chain::Chain;
 pub use equilibrium::Equilibrium;
 pub use error::StaticError;
 pub use lagrange::Lagrange;
+pub use limit::{LimitKind, LimitPoint, Mode};
 pub use problem::Problem;
 pub use relax::Rest;
 pub use response::ShapeResponse;
-pub use rod::{EndCondition, Piece, Properties};
+pub use rod::{EndCondition, EndHold, Piece, Properties};
 pub use shape::Shape;
 pub use state::State;
 pub use target::Target;
