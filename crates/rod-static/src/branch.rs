@@ -3,8 +3,8 @@
 use crate::StaticError;
 use crate::equilibrium::Equilibrium;
 use crate::error::finite;
-use crate::limit::LimitPoint;
 use crate::mesh::MeshElement;
+use crate::mode::LimitPoint;
 use crate::problem::Problem;
 use crate::shooting::{Effort, ParameterSlopes, Shooting, Variation, corrected, iterate, newton};
 use crate::step::ShootingNode;

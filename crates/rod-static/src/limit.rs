@@ -1,9 +1,9 @@
 //! Limits of stability on a branch, found by where the equations become singular.
 
 use crate::branch::{Followed, Sweep};
-use crate::equilibrium::Equilibrium;
+use crate::mode::{LimitKind, LimitPoint, Mode};
 use crate::shooting::Variation;
-use nalgebra::{SMatrix, SVector, Vector3};
+use nalgebra::{SMatrix, SVector};
 use std::f64::consts::PI;
 
 /// Parts of a bracket at which it is divided, if the ones before do not serve.
@@ -25,56 +25,9 @@ const UNBALANCED: f64 = 1e-5;
 const BALANCED: f64 = 1e-2;
 /// Distance between limits, in parts of the range, below which they are one.
 const NEAR_LIMIT: f64 = 1e-3;
-/// Points from which the zero of a singular value is interpolated, in a part of a step so short that
-/// the error of the interpolation is a rounding.
+/// Points from which the zero of a singular value is interpolated, in a part of a step so short
+/// that the error of the interpolation is a rounding.
 const SAMPLES: usize = 6;
-
-/// Kind of a point where the stability changes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum LimitKind {
-    /// The branch turns back in the parameter: a limit load.
-    Fold,
-    /// Another branch crosses it.
-    Bifurcation,
-}
-
-/// A point of a branch where the number of directions of falling energy changes.
-#[derive(Debug, Clone)]
-pub struct LimitPoint {
-    /// What happens there.
-    pub kind: LimitKind,
-    /// Value of the parameter there.
-    pub parameter: f64,
-    /// Numbers of points conjugate to the end before and after it.
-    pub conjugate_points: [usize; 2],
-    /// The equilibrium there, with its mode.
-    pub mode: Mode,
-}
-
-/// An equilibrium at a limit of its stability, and the variation in which it is neutral.
-#[derive(Debug, Clone)]
-pub struct Mode {
-    equilibrium: Equilibrium,
-    variations: Vec<Variation>,
-}
-
-impl Mode {
-    /// The equilibrium.
-    #[must_use]
-    pub fn equilibrium(&self) -> &Equilibrium {
-        &self.equilibrium
-    }
-
-    /// Displacement (m) of the point at arc length `s` (m), and its rotation vector (rad), both in
-    /// the world frame, at one scale for the whole rod.
-    #[must_use]
-    pub fn at(&self, s: f64) -> [Vector3<f64>; 2] {
-        let length = self.equilibrium.rod.length;
-        let change = self.equilibrium.varied(&self.variations, s / length);
-        let part = |row: usize| change.fixed_rows::<3>(row).into_owned();
-        [part(0) * length, part(3)]
-    }
-}
 
 /// A singular value of the equations, with its vectors.
 struct Singular {
