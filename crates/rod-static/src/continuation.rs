@@ -3,7 +3,7 @@
 use crate::equilibrium::Equilibrium;
 use crate::goal::Goal;
 use crate::mesh::{MeshElement, Scaled};
-use crate::shooting::{Effort, newton};
+use crate::shooting::{Effort, RootHold, Shooting, newton};
 use crate::stability::index;
 use crate::step::ShootingNode;
 
@@ -30,11 +30,17 @@ pub(crate) struct ContinuationStart {
 /// A rod and a condition on its end, to which equilibria are continued.
 pub(crate) struct Continuation<'a> {
     pub(crate) rod: &'a Scaled,
+    pub(crate) root: RootHold,
     pub(crate) goal: &'a Goal,
     pub(crate) effort: &'a Effort,
 }
 
 impl Continuation<'_> {
+    /// The equations with the condition `goal` on the end and the fraction `factor` of the loads.
+    fn shooting<'b>(&'b self, goal: &'b Goal, factor: f64) -> Shooting<'b> {
+        Shooting { rod: self.rod, root: self.root, goal, factor }
+    }
+
     /// Continuation from `start` in the loads and in the end condition together, and refinement.
     pub(crate) fn follow(
         &self,
@@ -62,7 +68,7 @@ impl Continuation<'_> {
             let goal = self.goal.on_the_way(tip, start.turns, next)?;
             let factor = start.factor + (loads - start.factor) * next;
             let mut trial = nodes.clone();
-            if newton(self.rod, elements, &mut trial, &goal, factor, self.effort).is_some() {
+            if newton(&self.shooting(&goal, factor), elements, &mut trial, self.effort).is_some() {
                 (nodes, at, step) = (trial, next, 2.0 * step);
             } else {
                 step *= 0.5;
@@ -82,14 +88,37 @@ impl Continuation<'_> {
         mut nodes: Vec<ShootingNode>,
         factor: f64,
     ) -> Option<Equilibrium> {
-        newton(self.rod, &elements, &mut nodes, self.goal, factor, self.effort)?;
+        let of = self.shooting(self.goal, factor);
+        newton(&of, &elements, &mut nodes, self.effort)?;
         for _ in 0..REFINEMENTS {
             let Some(finer) = self.rod.refined(&elements, &nodes, factor) else { break };
             (elements, nodes) = finer;
-            newton(self.rod, &elements, &mut nodes, self.goal, factor, self.effort)?;
+            newton(&of, &elements, &mut nodes, self.effort)?;
         }
-        // Stability by conjugate points, elastic energy, and work of the loads.
-        let conjugate_points = index(self.rod, &elements, &nodes, self.goal, factor)?;
+        self.judged(elements, nodes, factor)
+    }
+
+    /// The equilibrium of nodes that are in balance, with its stability and energies.
+    pub(crate) fn judged(
+        &self,
+        elements: Vec<MeshElement>,
+        nodes: Vec<ShootingNode>,
+        factor: f64,
+    ) -> Option<Equilibrium> {
+        // Stability by conjugate points.
+        let conjugate_points = index(&self.shooting(self.goal, factor), &elements, &nodes)?;
+        let found = self.resting(elements, nodes, factor)?;
+        Some(Equilibrium { conjugate_points, ..found })
+    }
+
+    /// The equilibrium of nodes that are in balance, with its elastic energy and the work of its
+    /// loads; its conjugate points are not counted.
+    pub(crate) fn resting(
+        &self,
+        elements: Vec<MeshElement>,
+        nodes: Vec<ShootingNode>,
+        factor: f64,
+    ) -> Option<Equilibrium> {
         let (mut elastic, mut work) = (0.0, 0.0);
         for (element, node) in elements.iter().zip(&nodes) {
             let properties = self.rod.properties(element, factor);
@@ -97,10 +126,8 @@ impl Continuation<'_> {
             elastic += reached.elastic;
             work += reached.work + factor * element.end_load.dot(&reached.node.r);
         }
-        if let Goal::Free { force, moment: _ } = self.goal {
-            work += force.dot(&nodes.last()?.r);
-        }
-        let rod = self.rod.clone();
+        work += self.goal.force_on_end().dot(&nodes.last()?.r);
+        let (rod, conjugate_points) = (self.rod.clone(), 0);
         Some(Equilibrium { rod, elements, nodes, factor, elastic, work, conjugate_points })
     }
 }

@@ -1,4 +1,5 @@
 use crate::mesh::{MeshElement, Scaled};
+use crate::shooting::Variation;
 use crate::state::State;
 use crate::step::ShootingNode;
 
@@ -23,7 +24,7 @@ impl Equilibrium {
     /// Runge-Kutta step from the node before.
     #[must_use]
     pub fn at(&self, s: f64) -> State {
-        self.rod.unscale(&self.node_at(s / self.rod.length))
+        self.rod.unscale(&self.scaled_at(s / self.rod.length))
     }
 
     /// State at the clamp; its force and moment are the reactions that the clamp carries.
@@ -83,12 +84,19 @@ impl Equilibrium {
     }
 
     /// The node at the scaled arc length `s`.
-    pub(crate) fn node_at(&self, s: f64) -> ShootingNode {
+    fn scaled_at(&self, s: f64) -> ShootingNode {
+        self.rod.node_at(&self.elements, &self.nodes, self.factor, s)
+    }
+
+    /// The variation at the scaled arc length `s`, from those of the nodes.
+    pub(crate) fn varied(&self, variations: &[Variation], s: f64) -> Variation {
         let index = self.elements.partition_point(|e| e.to <= s);
-        let Some(element) = self.elements.get(index) else {
-            return self.nodes[self.nodes.len() - 1];
-        };
+        let last = variations.len() - 1;
+        let Some(element) = self.elements.get(index) else { return variations[last] };
         let properties = self.rod.properties(element, self.factor);
-        self.nodes[index].step(element.from, s.max(element.from), properties).node
+        let to = s.max(element.from);
+        // A step within one that was taken can be.
+        let step = self.nodes[index].step_with_derivatives(element.from, to, properties);
+        step.map_or(variations[index], |(_, by)| by * variations[index])
     }
 }

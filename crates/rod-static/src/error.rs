@@ -32,6 +32,30 @@ pub enum StaticError {
         /// Length of the rod, m.
         length: f64,
     },
+    /// A sweep of a parameter needs at least one step.
+    #[error("a parameter is to be swept in no steps; give at least one")]
+    NoSteps,
+    /// A sweep of a parameter ends where it begins.
+    #[error("a parameter is to be swept from {value} to the same value; give a range")]
+    NoRange {
+        /// The value.
+        value: f64,
+    },
+    /// The stability of what is not stable cannot be lost.
+    #[error(
+        "the equilibrium that is followed is unstable from the start, {ways} ways lead down: start \
+         from a stable one, or at a smaller load"
+    )]
+    Unstable {
+        /// Number of independent ways.
+        ways: usize,
+    },
+    /// A rod in a joint at its root with a free end has no definite place.
+    #[error(
+        "the rod is in a joint at its root and its other end is free, so it has no definite place; \
+         clamp it, or hold the other end"
+    )]
+    Loose,
     /// A chain needs at least one segment.
     #[error("the rod is to be cut into no segments; give at least one")]
     NoSegments,

@@ -179,6 +179,60 @@ impl Scaled {
         split.then_some((finer, more))
     }
 
+    /// The elements of a rod `other` in this one, in the same parts of their pieces; `None` if the
+    /// rods are not of the same number of pieces.
+    pub(crate) fn elements_like(
+        &self,
+        elements: &[MeshElement],
+        other: &Self,
+    ) -> Option<Vec<MeshElement>> {
+        if self.pieces.len() != other.pieces.len() {
+            return None;
+        }
+        let [ends, before] = [self, other].map(Self::ends);
+        let like = elements.iter().map(|element| {
+            let i = element.piece;
+            let scale = (ends[i + 1] - ends[i]) / (before[i + 1] - before[i]);
+            let at = |s: f64| {
+                // The ends of pieces stay what they are, to the last bit.
+                if s == before[i + 1] { ends[i + 1] } else { ends[i] + (s - before[i]) * scale }
+            };
+            let loaded = element.to == before[i + 1];
+            let load = self.pieces[i].end_load() / self.force();
+            MeshElement {
+                piece: i,
+                from: at(element.from),
+                to: at(element.to),
+                end_load: if loaded { load } else { Vector3::zeros() },
+            }
+        });
+        Some(like.collect())
+    }
+
+    /// Scaled arc lengths of the ends of the pieces, from zero.
+    fn ends(&self) -> Vec<f64> {
+        let mut ends = vec![0.0];
+        ends.extend(self.pieces.iter().scan(0.0, |s, piece| {
+            *s += piece.length() / self.length;
+            Some(*s)
+        }));
+        ends
+    }
+
+    /// The node at the scaled arc length `s`, by a step from the node before.
+    pub(crate) fn node_at(
+        &self,
+        elements: &[MeshElement],
+        nodes: &[ShootingNode],
+        factor: f64,
+        s: f64,
+    ) -> ShootingNode {
+        let index = elements.partition_point(|e| e.to <= s);
+        let Some(element) = elements.get(index) else { return nodes[nodes.len() - 1] };
+        let properties = self.properties(element, factor);
+        nodes[index].step(element.from, s.max(element.from), properties).node
+    }
+
     /// Converts a state from SI units to the units of the rod.
     pub(crate) fn scale(&self, state: &State) -> ShootingNode {
         ShootingNode {

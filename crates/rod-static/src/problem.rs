@@ -3,14 +3,14 @@ use crate::chain::{Chain, TipHold};
 use crate::continuation::{Continuation, ContinuationStart};
 use crate::equilibrium::Equilibrium;
 use crate::error::finite;
-use crate::goal::Goal;
+use crate::goal::{EndPlace, EndTurning, Goal};
 use crate::mesh::{MeshElement, Scaled};
 use crate::rod::{EndCondition, Piece};
-use crate::shooting::Effort;
+use crate::shooting::{Effort, RootHold, Shooting};
 use crate::state::State;
 use crate::step::ShootingNode;
 use crate::target::Target;
-use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Point3, Vector3};
 use std::f64::consts::TAU;
 
 /// Moments that bend the shapes to start from, in units of stiffness over length.
@@ -33,9 +33,9 @@ const TWISTING: [f64; 3] = [0.0, 2.0, -2.0];
 /// rod and jump between pieces. The six unknowns are force and moment at the clamp.
 #[derive(Debug, Clone)]
 pub struct Problem {
-    rod: Scaled,
-    clamp: (Vector3<f64>, UnitQuaternion<f64>),
-    goal: Goal,
+    pub(crate) rod: Scaled,
+    pub(crate) root: RootHold,
+    pub(crate) goal: Goal,
     /// Mesh from which every search for a solution starts.
     elements: Vec<MeshElement>,
 }
@@ -63,12 +63,22 @@ impl Problem {
             }
         }
         let goal = Goal::of(&end, &rod);
-        let elements = rod.elements(match goal {
-            Goal::Free { force, moment } => [force.norm(), moment.norm()],
-            _ => [0.0; 2],
-        })?;
-        let clamp = (clamp.translation.vector / rod.length, clamp.rotation);
-        Ok(Self { rod, clamp, goal, elements })
+        let elements = rod.elements([goal.force_on_end().norm(), goal.moment_on_end().norm()])?;
+        let (r, q) = (clamp.translation.vector / rod.length, clamp.rotation);
+        Ok(Self { root: RootHold { r, q, hinged: false }, rod, goal, elements })
+    }
+
+    /// The same rod in a ball joint at its root instead of a clamp; searches start from the frame
+    /// that the clamp had. The end must be held, else the rod has no definite place.
+    ///
+    /// # Errors
+    /// [`StaticError::Loose`] for a free end.
+    pub fn hinged(mut self) -> Result<Self, StaticError> {
+        if self.goal.is_free() {
+            return Err(StaticError::Loose);
+        }
+        self.root.hinged = true;
+        Ok(self)
     }
 
     /// Finds an equilibrium, stable if one is found. No random numbers.
@@ -132,9 +142,13 @@ impl Problem {
     pub fn bent(&self, moment: &Vector3<f64>) -> Result<Equilibrium, StaticError> {
         let moment = moment / self.rod.energy();
         let elements = self.rod.elements([0.0, moment.norm()])?;
-        let nodes = self.rod.natural(&elements, self.clamp, moment);
-        let goal = Goal::Free { force: Vector3::zeros(), moment };
-        let free = Continuation { rod: &self.rod, goal: &goal, effort: &Effort::new() };
+        let nodes = self.rod.natural(&elements, (self.root.r, self.root.q), moment);
+        let goal = Goal {
+            place: EndPlace::Free { force: Vector3::zeros() },
+            turning: EndTurning::Free { moment },
+        };
+        let root = RootHold { hinged: false, ..self.root };
+        let free = Continuation { rod: &self.rod, root, goal: &goal, effort: &Effort::new() };
         free.finish(elements, nodes, 0.0).ok_or(StaticError::NotFound)
     }
 
@@ -147,8 +161,9 @@ impl Problem {
         let mut guess = guess.iter().map(|(s, state)| (s / self.rod.length, state)).peekable();
         let (_, first) = guess.next().ok_or(StaticError::NotFound)?;
         let elements = &self.elements;
-        let (r, q) = self.clamp;
-        let mut nodes = vec![ShootingNode { r, q, ..self.rod.scale(first) }];
+        let mut first = self.rod.scale(first);
+        first.correct(&self.root.missed(&first));
+        let mut nodes = vec![first];
         // Integrate each element from the last guess in it.
         for element in elements {
             let (mut from, mut node) = (element.from, nodes[nodes.len() - 1]);
@@ -168,8 +183,13 @@ impl Problem {
     }
 
     /// Continuation to the goal of the problem.
-    fn continuation<'a>(&'a self, effort: &'a Effort) -> Continuation<'a> {
-        Continuation { rod: &self.rod, goal: &self.goal, effort }
+    pub(crate) fn continuation<'a>(&'a self, effort: &'a Effort) -> Continuation<'a> {
+        Continuation { rod: &self.rod, root: self.root, goal: &self.goal, effort }
+    }
+
+    /// The equations of the problem under its whole loads.
+    pub(crate) fn shooting(&self) -> Shooting<'_> {
+        Shooting { rod: &self.rod, root: self.root, goal: &self.goal, factor: 1.0 }
     }
 
     /// The equilibrium of [`Problem::solve`], `None` if no start leads to one.
@@ -188,7 +208,7 @@ impl Problem {
     /// The equilibrium that `start` leads to, stable if one is found.
     fn reach(&self, start: &ContinuationStart, effort: &Effort) -> Option<Equilibrium> {
         let elements = &self.elements;
-        let free = matches!(self.goal, Goal::Free { .. });
+        let free = self.goal.is_free();
         let stable = |found: &Option<Equilibrium>| found.as_ref().is_some_and(|f| f.is_stable());
         // A free end: minimise the energy from the start.
         if free {
@@ -224,9 +244,9 @@ impl Problem {
     ) -> Option<Equilibrium> {
         let pushed = Self { goal: self.goal.pushed(), ..self.clone() };
         let start = ContinuationStart { nodes: nodes.to_vec(), factor: 1.0, turns: 0.0 };
-        let nodes = match self.goal {
-            Goal::Free { .. } => start.nodes,
-            _ => pushed.continuation(effort).continued(elements, &start, 1.0)?,
+        let nodes = match self.goal.is_free() {
+            true => start.nodes,
+            false => pushed.continuation(effort).continued(elements, &start, 1.0)?,
         };
         let leaning = pushed.descend(elements, &nodes, effort)?;
         let start = ContinuationStart { nodes: leaning.nodes, factor: 1.0, turns: 0.0 };
@@ -235,7 +255,7 @@ impl Problem {
 
     /// The equilibrium near the minimum of the energy that the rod in segments reaches from
     /// `nodes`, which meet the end condition. `None` also for a moment on the end, which has no
-    /// energy.
+    /// energy, and for rods in a joint at the root or on a line at the end.
     fn descend(
         &self,
         elements: &[MeshElement],
@@ -243,23 +263,29 @@ impl Problem {
         effort: &Effort,
     ) -> Option<Equilibrium> {
         let rod = &self.rod;
-        let (r, q) = self.clamp;
+        if self.root.hinged || self.goal.moment_on_end() != Vector3::zeros() {
+            return None;
+        }
+        let RootHold { r, q, .. } = self.root;
         // The rod in segments, with the same elements and the same end condition.
         let clamp = Isometry3::from_parts((r * rod.length).into(), q);
         let lengths: Vec<_> =
             elements.iter().map(|e| (e.piece, (e.to - e.from) * rod.length)).collect();
         let mut chain = Chain::cut(&clamp, rod.pieces(), &lengths).ok()?;
         let last = elements.len();
-        let mut place = None;
-        match self.goal {
-            Goal::Free { moment, .. } if moment != Vector3::zeros() => return None,
-            Goal::Free { force, .. } => chain.forces[last] += force * rod.force(),
-            Goal::Position { position, .. } => place = Some(position),
-            Goal::Tangent { position, .. } => {
-                (chain.tip, place) = (TipHold::Aligned, Some(position));
+        let place = match self.goal.place {
+            EndPlace::Free { force } => {
+                chain.forces[last] += force * rod.force();
+                None
             }
-            Goal::Held { position, .. } => (chain.tip, place) = (TipHold::Held, Some(position)),
-        }
+            EndPlace::Held { position } => Some(position),
+            EndPlace::OnLine { .. } => return None,
+        };
+        chain.tip = match self.goal.turning {
+            EndTurning::Free { .. } => TipHold::Free,
+            EndTurning::Tangent { .. } => TipHold::Aligned,
+            EndTurning::Held { .. } => TipHold::Held,
+        };
         let mut shape = chain.shape(nodes.iter().map(|node| node.q).collect());
         let mut pull = nodes.last()?.n * rod.force();
         let stiffness = STIFF * chain.stiffness() + 10.0 * pull.norm() / rod.length;
@@ -278,8 +304,8 @@ impl Problem {
         // States of the nodes; the force from tip to clamp by the balance of loads.
         let states = chain.states(&rest?);
         let mut nodes: Vec<ShootingNode> = states.iter().map(|state| rod.scale(state)).collect();
-        nodes[last].n = match self.goal {
-            Goal::Free { force, .. } => force,
+        nodes[last].n = match self.goal.place {
+            EndPlace::Free { force } => force,
             _ => pull / rod.force(),
         };
         for (i, element) in elements.iter().enumerate().rev() {
@@ -295,7 +321,7 @@ impl Problem {
     fn starts<'a>(&'a self, effort: &'a Effort) -> impl Iterator<Item = Vec<ShootingNode>> + 'a {
         let shape = move |moment: Vector3<f64>| {
             effort.spend(self.elements.len())?;
-            Some(self.rod.natural(&self.elements, self.clamp, moment))
+            Some(self.rod.natural(&self.elements, (self.root.r, self.root.q), moment))
         };
         let bent = move |torque: f64| {
             let mut bent = Vec::new();
@@ -303,7 +329,7 @@ impl Problem {
                 for direction in 0..DIRECTIONS {
                     let (sin, cos) = (TAU * f64::from(direction) / f64::from(DIRECTIONS)).sin_cos();
                     let moment = Vector3::new(size * cos, size * sin, torque);
-                    bent.extend(shape(self.clamp.1 * moment));
+                    bent.extend(shape(self.root.q * moment));
                 }
             }
             let missed = |nodes: &Vec<ShootingNode>| {
@@ -313,10 +339,6 @@ impl Problem {
             bent.sort_by(|a, b| missed(a).total_cmp(&missed(b)));
             bent
         };
-        let moment = match self.goal {
-            Goal::Free { moment, .. } => moment,
-            _ => Vector3::zeros(),
-        };
-        shape(moment).into_iter().chain(TWISTING.into_iter().flat_map(bent))
+        shape(self.goal.moment_on_end()).into_iter().chain(TWISTING.into_iter().flat_map(bent))
     }
 }

@@ -1,6 +1,6 @@
 use crate::StaticError;
 use crate::error::{finite, positive};
-use nalgebra::{Isometry3, Point3, Unit, Vector3};
+use nalgebra::{Isometry3, Point3, Unit, UnitQuaternion, Vector3};
 use std::fmt;
 use std::sync::Arc;
 
@@ -104,6 +104,28 @@ pub enum EndCondition {
     Tangent(Point3<f64>, Unit<Vector3<f64>>),
     /// A clamp with this pose of the end.
     Held(Isometry3<f64>),
+    /// An end that slides without friction along a line, m, world frame.
+    Sliding {
+        /// A point of the line.
+        point: Point3<f64>,
+        /// Direction of the line.
+        along: Unit<Vector3<f64>>,
+        /// Dead force on the end along the line, N.
+        force: f64,
+        /// What holds the rotation of the end.
+        hold: EndHold,
+    },
+}
+
+/// What holds the rotation of an end that slides.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum EndHold {
+    /// A ball joint, which takes no moment.
+    Joint,
+    /// A bearing along this tangent, in which the rod turns freely about itself.
+    Tangent(Unit<Vector3<f64>>),
+    /// A clamp with this frame.
+    Frame(UnitQuaternion<f64>),
 }
 
 impl EndCondition {
@@ -114,7 +136,7 @@ impl EndCondition {
     /// Prescribed position of the end, m, world frame; `None` for a free end.
     pub(crate) fn position(&self) -> Option<Point3<f64>> {
         match self {
-            Self::Free { .. } => None,
+            Self::Free { .. } | Self::Sliding { .. } => None,
             Self::Position(p) | Self::Tangent(p, _) => Some(*p),
             Self::Held(pose) => Some(Point3::from(pose.translation.vector)),
         }
@@ -135,6 +157,16 @@ impl EndCondition {
             Self::Held(pose) => {
                 finite("the position of the end (m)", pose.translation.vector.as_slice())?;
                 finite("the frame of the end", pose.rotation.coords.as_slice())
+            }
+            Self::Sliding { point, along, force, hold } => {
+                finite("the point of the line of the end (m)", point.coords.as_slice())?;
+                finite("the line of the end", along.as_slice())?;
+                finite("the force on the end (N)", &[*force])?;
+                match hold {
+                    EndHold::Joint => Ok(()),
+                    EndHold::Tangent(t) => finite("the tangent at the end", t.as_slice()),
+                    EndHold::Frame(q) => finite("the frame of the end", q.coords.as_slice()),
+                }
             }
         }
     }

@@ -2,6 +2,7 @@
 
 mod bifurcations;
 mod boundary;
+mod branches;
 mod closed_form;
 mod common;
 mod couples;
