@@ -8,7 +8,7 @@ use syn::{Attribute, Fields, Item, Meta};
 use xshell::Shell;
 
 /// Where the types are, in the order of the reference.
-const SOURCES: [&str; 17] = [
+const SOURCES: [&str; 19] = [
     "lib",
     "environment",
     "fibers",
@@ -26,6 +26,8 @@ const SOURCES: [&str; 17] = [
     "stepper",
     "output",
     "case",
+    "case_end",
+    "asked",
 ];
 /// Where the reference is.
 pub(crate) const REFERENCE: &str = "docs/scene.md";

@@ -109,8 +109,8 @@ impl Problem {
         Some(states.collect())
     }
 
-    /// The force on the end, N, that fits the balance of moments `m' + d3 x n = 0` best, and is what
-    /// the end condition says of it.
+    /// The force on the end, N, that fits the balance of moments `m' + d3 x n = 0` best, or what the
+    /// end condition says of it.
     fn force_on_end(
         &self,
         frames: &[UnitQuaternion<f64>],
