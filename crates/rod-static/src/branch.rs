@@ -24,7 +24,7 @@ const MOST_BRANCH_STEPS: usize = 20;
 const SPLITS: usize = 4;
 
 /// A parameter of a problem, and the range in which equilibria are followed.
-pub struct Sweep<'a> {
+pub struct ParameterSweep<'a> {
     /// The problem at a value of the parameter. All have the same number of pieces.
     pub problem: &'a dyn Fn(f64) -> Result<Problem, StaticError>,
     /// Value of the parameter at the start.
@@ -142,7 +142,7 @@ impl Direction {
     }
 }
 
-impl Sweep<'_> {
+impl ParameterSweep<'_> {
     /// The branch of equilibria from `start`, an equilibrium of the problem at the start of the
     /// range or near one, by continuation in the arc length of the branch (Riks 1972, Keller 1977):
     /// past folds, in steps that follow the curvature of the branch.
@@ -158,11 +158,11 @@ impl Sweep<'_> {
         self.walk(start, false)
     }
 
-    /// The branch of [`Sweep::follow`] up to where it loses its stability: its last limit, if it
+    /// The branch of [`ParameterSweep::follow`] up to where it loses its stability: its last limit, if it
     /// ends by [`BranchEnd::Lost`].
     ///
     /// # Errors
-    /// As [`Sweep::follow`], and [`StaticError::Unstable`] for a start that is not stable.
+    /// As [`ParameterSweep::follow`], and [`StaticError::Unstable`] for a start that is not stable.
     pub fn until_unstable(&self, start: &Equilibrium) -> Result<Branch, StaticError> {
         self.walk(start, true)
     }

@@ -3,7 +3,7 @@
 use crate::equilibrium::Equilibrium;
 use crate::goal::Goal;
 use crate::mesh::{MeshElement, Scaled};
-use crate::shooting::{Effort, Root, Shooting, newton};
+use crate::shooting::{Effort, RootHold, Shooting, newton};
 use crate::stability::index;
 use crate::step::ShootingNode;
 
@@ -30,7 +30,7 @@ pub(crate) struct ContinuationStart {
 /// A rod and a condition on its end, to which equilibria are continued.
 pub(crate) struct Continuation<'a> {
     pub(crate) rod: &'a Scaled,
-    pub(crate) root: Root,
+    pub(crate) root: RootHold,
     pub(crate) goal: &'a Goal,
     pub(crate) effort: &'a Effort,
 }

@@ -14,13 +14,13 @@ pub(crate) type BoundaryMatrix = SMatrix<f64, 6, 12>;
 /// Boundary condition at the end of the rod, in scaled units.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Goal {
-    pub(crate) place: Place,
-    pub(crate) turning: Turning,
+    pub(crate) place: EndPlace,
+    pub(crate) turning: EndTurning,
 }
 
 /// Condition on the place of the end, or the force on it.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum Place {
+pub(crate) enum EndPlace {
     Free {
         force: Vector3<f64>,
     },
@@ -37,7 +37,7 @@ pub(crate) enum Place {
 
 /// Condition on the rotation of the end, or the moment on it.
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum Turning {
+pub(crate) enum EndTurning {
     Free { moment: Vector3<f64> },
     Tangent { tangent: Vector3<f64>, torque: f64 },
     Held { frame: UnitQuaternion<f64> },
@@ -45,16 +45,16 @@ pub(crate) enum Turning {
 
 impl Goal {
     pub(crate) fn of(end: &EndCondition, units: &Scaled) -> Self {
-        let held = |position: Vector3<f64>| Place::Held { position: position / units.length };
+        let held = |position: Vector3<f64>| EndPlace::Held { position: position / units.length };
         let hold = |hold: &EndHold| match *hold {
-            EndHold::Joint => Turning::Free { moment: Vector3::zeros() },
-            EndHold::Tangent(t) => Turning::Tangent { tangent: t.into_inner(), torque: 0.0 },
-            EndHold::Frame(frame) => Turning::Held { frame },
+            EndHold::Joint => EndTurning::Free { moment: Vector3::zeros() },
+            EndHold::Tangent(t) => EndTurning::Tangent { tangent: t.into_inner(), torque: 0.0 },
+            EndHold::Frame(frame) => EndTurning::Held { frame },
         };
         let (place, turning) = match end {
             EndCondition::Free { force, moment } => (
-                Place::Free { force: force / units.force() },
-                Turning::Free { moment: moment / units.energy() },
+                EndPlace::Free { force: force / units.force() },
+                EndTurning::Free { moment: moment / units.energy() },
             ),
             EndCondition::Position(p) => (held(p.coords), hold(&EndHold::Joint)),
             EndCondition::Tangent(p, t) => (held(p.coords), hold(&EndHold::Tangent(*t))),
@@ -62,7 +62,7 @@ impl Goal {
                 (held(pose.translation.vector), hold(&EndHold::Frame(pose.rotation)))
             }
             EndCondition::Sliding { point, along, force, hold: turning } => (
-                Place::OnLine {
+                EndPlace::OnLine {
                     point: point.coords / units.length,
                     along: along.into_inner(),
                     force: force / units.force(),
@@ -76,23 +76,23 @@ impl Goal {
     /// The dead force on the end that does work.
     pub(crate) fn force_on_end(&self) -> Vector3<f64> {
         match self.place {
-            Place::Free { force } => force,
-            Place::Held { .. } => Vector3::zeros(),
-            Place::OnLine { along, force, .. } => along * force,
+            EndPlace::Free { force } => force,
+            EndPlace::Held { .. } => Vector3::zeros(),
+            EndPlace::OnLine { along, force, .. } => along * force,
         }
     }
 
     /// The dead moment on the end.
     pub(crate) fn moment_on_end(&self) -> Vector3<f64> {
         match self.turning {
-            Turning::Free { moment } => moment,
-            Turning::Tangent { .. } | Turning::Held { .. } => Vector3::zeros(),
+            EndTurning::Free { moment } => moment,
+            EndTurning::Tangent { .. } | EndTurning::Held { .. } => Vector3::zeros(),
         }
     }
 
     /// Whether nothing holds the end.
     pub(crate) fn is_free(&self) -> bool {
-        matches!((&self.place, &self.turning), (Place::Free { .. }, Turning::Free { .. }))
+        matches!((&self.place, &self.turning), (EndPlace::Free { .. }, EndTurning::Free { .. }))
     }
 
     /// The condition at the fraction `t` of the path from the state of `node` to this condition,
@@ -101,27 +101,27 @@ impl Goal {
     pub(crate) fn on_the_way(&self, node: &ShootingNode, turns: f64, t: f64) -> Option<Self> {
         let tangent = node.q * Vector3::z();
         let place = match self.place {
-            Place::Free { force } => Place::Free { force: node.n.lerp(&force, t) },
-            Place::Held { position } => Place::Held { position: node.r.lerp(&position, t) },
-            Place::OnLine { point, along, force } => Place::OnLine {
+            EndPlace::Free { force } => EndPlace::Free { force: node.n.lerp(&force, t) },
+            EndPlace::Held { position } => EndPlace::Held { position: node.r.lerp(&position, t) },
+            EndPlace::OnLine { point, along, force } => EndPlace::OnLine {
                 point: node.r.lerp(&point, t),
                 along,
                 force: (1.0 - t) * node.n.dot(&along) + t * force,
             },
         };
         let turning = match self.turning {
-            Turning::Free { moment } => Turning::Free { moment: node.m.lerp(&moment, t) },
-            Turning::Tangent { tangent: to, torque } => Turning::Tangent {
+            EndTurning::Free { moment } => EndTurning::Free { moment: node.m.lerp(&moment, t) },
+            EndTurning::Tangent { tangent: to, torque } => EndTurning::Tangent {
                 tangent: so3::exp(&(so3::log(&so3::between(&tangent, &to)?) * t)) * tangent,
                 torque: (1.0 - t) * node.m.dot(&tangent) + t * torque,
             },
-            Turning::Held { frame } => {
+            EndTurning::Held { frame } => {
                 let way = (frame * node.q.inverse()).scaled_axis();
                 let twist = Vector3::z() * (TAU * turns * t);
                 let frame = UnitQuaternion::from_scaled_axis(way * t)
                     * node.q
                     * UnitQuaternion::from_scaled_axis(twist);
-                Turning::Held { frame }
+                EndTurning::Held { frame }
             }
         };
         Some(Self { place, turning })
@@ -134,13 +134,13 @@ impl Goal {
         let turn = UnitQuaternion::from_scaled_axis(push);
         let mut pushed = *self;
         match &mut pushed.turning {
-            Turning::Free { .. } => match &mut pushed.place {
-                Place::Free { force } => *force += push,
-                Place::Held { position } => *position += push,
-                Place::OnLine { point, .. } => *point += push,
+            EndTurning::Free { .. } => match &mut pushed.place {
+                EndPlace::Free { force } => *force += push,
+                EndPlace::Held { position } => *position += push,
+                EndPlace::OnLine { point, .. } => *point += push,
             },
-            Turning::Tangent { tangent, .. } => *tangent = turn * *tangent,
-            Turning::Held { frame } => *frame = turn * *frame,
+            EndTurning::Tangent { tangent, .. } => *tangent = turn * *tangent,
+            EndTurning::Held { frame } => *frame = turn * *frame,
         }
         pushed
     }
@@ -153,9 +153,9 @@ impl Goal {
         // Conditions on whole vectors: their first rows, residuals and first columns.
         let mut vectors: Vec<(usize, Vector3<f64>, usize)> = Vec::with_capacity(2);
         match self.place {
-            Place::Free { force } => vectors.push((0, node.n - force, 9)),
-            Place::Held { position } => vectors.push((0, node.r - position, 0)),
-            Place::OnLine { point, along, force } => {
+            EndPlace::Free { force } => vectors.push((0, node.n - force, 9)),
+            EndPlace::Held { position } => vectors.push((0, node.r - position, 0)),
+            EndPlace::OnLine { point, along, force } => {
                 for (row, e) in across(&along).into_iter().enumerate() {
                     missed[row] = (node.r - point).dot(&e);
                     by.fixed_view_mut::<1, 3>(row, 0).copy_from(&e.transpose());
@@ -165,11 +165,11 @@ impl Goal {
             }
         }
         match self.turning {
-            Turning::Free { moment } => vectors.push((3, node.m - moment, 6)),
-            Turning::Held { frame } => {
+            EndTurning::Free { moment } => vectors.push((3, node.m - moment, 6)),
+            EndTurning::Held { frame } => {
                 vectors.push((3, (node.q * frame.inverse()).scaled_axis(), 3))
             }
-            Turning::Tangent { tangent, torque } => {
+            EndTurning::Tangent { tangent, torque } => {
                 let own = node.q * Vector3::z();
                 let off = so3::log(&so3::between(&tangent, &own)?);
                 for (row, e) in [3, 4].into_iter().zip(across(&tangent)) {

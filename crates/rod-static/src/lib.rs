@@ -37,12 +37,12 @@ mod trial;
 mod two_phase;
 
 pub use adjoint::{EndLoadDerivatives, ShapeDerivatives};
-pub use branch::{Branch, BranchEnd, BranchPoint, Sweep};
+pub use branch::{Branch, BranchEnd, BranchPoint, ParameterSweep};
 pub use chain::Chain;
 pub use equilibrium::Equilibrium;
 pub use error::StaticError;
 pub use lagrange::Lagrange;
-pub use mode::{LimitKind, LimitPoint, Mode};
+pub use mode::{LimitKind, LimitMode, LimitPoint};
 pub use problem::Problem;
 pub use relax::Rest;
 pub use response::ShapeResponse;

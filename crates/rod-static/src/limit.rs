@@ -1,7 +1,7 @@
 //! Limits of stability on a branch, found by where the equations become singular.
 
-use crate::branch::{Followed, Sweep};
-use crate::mode::{LimitKind, LimitPoint, Mode};
+use crate::branch::{Followed, ParameterSweep};
+use crate::mode::{LimitKind, LimitMode, LimitPoint};
 use crate::shooting::Variation;
 use nalgebra::{SMatrix, SVector};
 use std::f64::consts::PI;
@@ -83,7 +83,7 @@ fn neutral(at: &Followed) -> Option<usize> {
     Some(values.iter().filter(|value| **value < NEUTRAL_ALL_ALONG * values[0]).count())
 }
 
-impl Sweep<'_> {
+impl ParameterSweep<'_> {
     /// The limits between two points of a branch with these numbers of conjugate points.
     pub(crate) fn limits(&self, a: &Followed, b: &Followed, counts: [usize; 2]) -> Vec<LimitPoint> {
         let mut limits = Vec::new();
@@ -167,7 +167,10 @@ impl Sweep<'_> {
             kind: if fold { LimitKind::Fold } else { LimitKind::Bifurcation },
             parameter: at.parameter,
             conjugate_points: [count, beyond],
-            mode: Mode { equilibrium: at.resting()?, variations: linear.variation(&mode.right)? },
+            mode: LimitMode {
+                equilibrium: at.resting()?,
+                variations: linear.variation(&mode.right)?,
+            },
         };
         Some((limit, right))
     }

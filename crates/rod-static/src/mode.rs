@@ -23,17 +23,17 @@ pub struct LimitPoint {
     /// Numbers of points conjugate to the end before and after it.
     pub conjugate_points: [usize; 2],
     /// The equilibrium there, with its mode.
-    pub mode: Mode,
+    pub mode: LimitMode,
 }
 
 /// An equilibrium at a limit of its stability, and the variation in which it is neutral.
 #[derive(Debug, Clone)]
-pub struct Mode {
+pub struct LimitMode {
     pub(crate) equilibrium: Equilibrium,
     pub(crate) variations: Vec<Variation>,
 }
 
-impl Mode {
+impl LimitMode {
     /// The equilibrium.
     #[must_use]
     pub fn equilibrium(&self) -> &Equilibrium {

@@ -3,10 +3,10 @@ use crate::chain::{Chain, TipHold};
 use crate::continuation::{Continuation, ContinuationStart};
 use crate::equilibrium::Equilibrium;
 use crate::error::finite;
-use crate::goal::{Goal, Place, Turning};
+use crate::goal::{EndPlace, EndTurning, Goal};
 use crate::mesh::{MeshElement, Scaled};
 use crate::rod::{EndCondition, Piece};
-use crate::shooting::{Effort, Root, Shooting};
+use crate::shooting::{Effort, RootHold, Shooting};
 use crate::state::State;
 use crate::step::ShootingNode;
 use crate::target::Target;
@@ -34,7 +34,7 @@ const TWISTING: [f64; 3] = [0.0, 2.0, -2.0];
 #[derive(Debug, Clone)]
 pub struct Problem {
     pub(crate) rod: Scaled,
-    pub(crate) root: Root,
+    pub(crate) root: RootHold,
     pub(crate) goal: Goal,
     /// Mesh from which every search for a solution starts.
     elements: Vec<MeshElement>,
@@ -65,7 +65,7 @@ impl Problem {
         let goal = Goal::of(&end, &rod);
         let elements = rod.elements([goal.force_on_end().norm(), goal.moment_on_end().norm()])?;
         let (r, q) = (clamp.translation.vector / rod.length, clamp.rotation);
-        Ok(Self { root: Root { r, q, hinged: false }, rod, goal, elements })
+        Ok(Self { root: RootHold { r, q, hinged: false }, rod, goal, elements })
     }
 
     /// The same rod in a ball joint at its root instead of a clamp; searches start from the frame
@@ -144,10 +144,10 @@ impl Problem {
         let elements = self.rod.elements([0.0, moment.norm()])?;
         let nodes = self.rod.natural(&elements, (self.root.r, self.root.q), moment);
         let goal = Goal {
-            place: Place::Free { force: Vector3::zeros() },
-            turning: Turning::Free { moment },
+            place: EndPlace::Free { force: Vector3::zeros() },
+            turning: EndTurning::Free { moment },
         };
-        let root = Root { hinged: false, ..self.root };
+        let root = RootHold { hinged: false, ..self.root };
         let free = Continuation { rod: &self.rod, root, goal: &goal, effort: &Effort::new() };
         free.finish(elements, nodes, 0.0).ok_or(StaticError::NotFound)
     }
@@ -266,7 +266,7 @@ impl Problem {
         if self.root.hinged || self.goal.moment_on_end() != Vector3::zeros() {
             return None;
         }
-        let Root { r, q, .. } = self.root;
+        let RootHold { r, q, .. } = self.root;
         // The rod in segments, with the same elements and the same end condition.
         let clamp = Isometry3::from_parts((r * rod.length).into(), q);
         let lengths: Vec<_> =
@@ -274,17 +274,17 @@ impl Problem {
         let mut chain = Chain::cut(&clamp, rod.pieces(), &lengths).ok()?;
         let last = elements.len();
         let place = match self.goal.place {
-            Place::Free { force } => {
+            EndPlace::Free { force } => {
                 chain.forces[last] += force * rod.force();
                 None
             }
-            Place::Held { position } => Some(position),
-            Place::OnLine { .. } => return None,
+            EndPlace::Held { position } => Some(position),
+            EndPlace::OnLine { .. } => return None,
         };
         chain.tip = match self.goal.turning {
-            Turning::Free { .. } => TipHold::Free,
-            Turning::Tangent { .. } => TipHold::Aligned,
-            Turning::Held { .. } => TipHold::Held,
+            EndTurning::Free { .. } => TipHold::Free,
+            EndTurning::Tangent { .. } => TipHold::Aligned,
+            EndTurning::Held { .. } => TipHold::Held,
         };
         let mut shape = chain.shape(nodes.iter().map(|node| node.q).collect());
         let mut pull = nodes.last()?.n * rod.force();
@@ -305,7 +305,7 @@ impl Problem {
         let states = chain.states(&rest?);
         let mut nodes: Vec<ShootingNode> = states.iter().map(|state| rod.scale(state)).collect();
         nodes[last].n = match self.goal.place {
-            Place::Free { force } => force,
+            EndPlace::Free { force } => force,
             _ => pull / rod.force(),
         };
         for (i, element) in elements.iter().enumerate().rev() {

@@ -139,14 +139,14 @@ pub(crate) fn propagate(
 
 /// What holds the rod at the root: its pose, scaled, and whether it can turn there.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Root {
+pub(crate) struct RootHold {
     pub(crate) r: Vector3<f64>,
     pub(crate) q: UnitQuaternion<f64>,
     /// A ball joint, which takes no moment; the rotation is then where searches start from.
     pub(crate) hinged: bool,
 }
 
-impl Root {
+impl RootHold {
     /// The correction of a node that takes it to the root.
     pub(crate) fn missed(&self, node: &ShootingNode) -> Variation {
         let held = ShootingNode { r: self.r, ..*node };
@@ -164,7 +164,7 @@ impl Root {
 #[derive(Clone, Copy)]
 pub(crate) struct Shooting<'a> {
     pub(crate) rod: &'a Scaled,
-    pub(crate) root: Root,
+    pub(crate) root: RootHold,
     pub(crate) goal: &'a Goal,
     pub(crate) factor: f64,
 }

@@ -1,4 +1,4 @@
-use crate::goal::{Place, Turning};
+use crate::goal::{EndPlace, EndTurning};
 use crate::mesh::MeshElement;
 use crate::shooting::{Shooting, propagate};
 use crate::step::ShootingNode;
@@ -27,9 +27,9 @@ pub(crate) fn index(
     let tangent = nodes.last()?.q * Vector3::z();
     // Directions in which the rotation of the end is held; along the others it takes no moment.
     let held = match of.goal.turning {
-        Turning::Free { .. } => Matrix3::zeros(),
-        Turning::Tangent { .. } => Matrix3::identity() - tangent * tangent.transpose(),
-        Turning::Held { .. } => Matrix3::identity(),
+        EndTurning::Free { .. } => Matrix3::zeros(),
+        EndTurning::Tangent { .. } => Matrix3::identity() - tangent * tangent.transpose(),
+        EndTurning::Held { .. } => Matrix3::identity(),
     };
     let loose = Matrix3::identity() - held;
     // The part beyond a node: its moment is stiffness * rotation + coupling * force, and the end
@@ -73,9 +73,9 @@ pub(crate) fn index(
         compliance -= arm * stiffness.pseudo_inverse(soft).ok()? * coupling;
     }
     let taken = match of.goal.place {
-        Place::Free { .. } => 0,
-        Place::Held { .. } => 3 - negative(&-compliance, NEUTRAL_MODE),
-        Place::OnLine { along, .. } => {
+        EndPlace::Free { .. } => 0,
+        EndPlace::Held { .. } => 3 - negative(&-compliance, NEUTRAL_MODE),
+        EndPlace::OnLine { along, .. } => {
             let across = Matrix3::identity() - along * along.transpose();
             2 - negative(&-(across * compliance * across), NEUTRAL_MODE)
         }

@@ -2,7 +2,7 @@
 
 use crate::StaticError;
 use crate::equilibrium::Equilibrium;
-use crate::goal::{Place, Turning};
+use crate::goal::{EndPlace, EndTurning};
 use crate::problem::Problem;
 use crate::state::State;
 use nalgebra::{Matrix3, Point3, UnitQuaternion, Vector3};
@@ -60,7 +60,7 @@ impl Problem {
             let turn = so3::between(&(frame * Vector3::z()), &tangent.try_normalize(0.0)?)?;
             frames.push(so3::quaternion(&turn) * frame);
         }
-        if let Turning::Held { frame } = self.goal.turning {
+        if let EndTurning::Held { frame } = self.goal.turning {
             let twist = (frames[GUESSED].inverse() * frame).scaled_axis().z;
             for (i, own) in frames.iter_mut().enumerate() {
                 let turn = Vector3::z() * (twist * i as f64 / GUESSED as f64);
@@ -118,7 +118,7 @@ impl Problem {
         beyond: &[Vector3<f64>],
         h: f64,
     ) -> Vector3<f64> {
-        if let Place::Free { force } = self.goal.place {
+        if let EndPlace::Free { force } = self.goal.place {
             return force * self.rod.force();
         }
         let (mut matrix, mut right) = (Matrix3::zeros(), Vector3::zeros());

@@ -3,8 +3,8 @@
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use rapunzel_rod_static::elliptic::first_kind;
 use rapunzel_rod_static::{
-    Branch, BranchEnd, EndCondition, EndHold, LimitKind, Piece, Problem, Properties, State,
-    StaticError, Sweep,
+    Branch, BranchEnd, EndCondition, EndHold, LimitKind, ParameterSweep, Piece, Problem,
+    Properties, State, StaticError,
 };
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -21,7 +21,7 @@ fn sliding(thrust: f64, hold: EndHold) -> EndCondition {
 /// The branch of the rod that is straight at the start up to where it buckles.
 fn buckles(problem: &dyn Fn(f64) -> Result<Problem, StaticError>, to: f64) -> Branch {
     let start = problem(0.0).and_then(|rod| rod.solve()).expect("a straight rod");
-    let sweep = Sweep { problem, from: 0.0, to, steps: 10 };
+    let sweep = ParameterSweep { problem, from: 0.0, to, steps: 10 };
     sweep.until_unstable(&start).expect("a branch")
 }
 
@@ -92,12 +92,13 @@ fn a_sweep_needs_steps_a_range_and_a_definite_place() {
         Problem::new(&Isometry3::identity(), rod, sliding(thrust, EndHold::Joint))
     };
     let start = problem(0.0).and_then(|rod| rod.solve()).expect("a straight rod");
-    let sweep = |steps, to| Sweep { problem: &problem, from: 0.0, to, steps }.follow(&start);
+    let sweep =
+        |steps, to| ParameterSweep { problem: &problem, from: 0.0, to, steps }.follow(&start);
     assert_eq!(sweep(0, 1.0).err(), Some(StaticError::NoSteps));
     assert_eq!(sweep(1, 0.0).err(), Some(StaticError::NoRange { value: 0.0 }));
-    let near = Sweep { problem: &problem, from: 0.0, to: 21.0, steps: 5 }.follow(&start);
+    let near = ParameterSweep { problem: &problem, from: 0.0, to: 21.0, steps: 5 }.follow(&start);
     let near = near.expect("a branch").points.pop().expect("a point").equilibrium;
-    let unstable = Sweep { problem: &problem, from: 21.0, to: 40.0, steps: 1 };
+    let unstable = ParameterSweep { problem: &problem, from: 21.0, to: 40.0, steps: 1 };
     let straight = unstable.until_unstable(&near).err();
     assert_eq!(straight, Some(StaticError::Unstable { ways: 2 }));
     let rod = vec![piece([1.0; 3], Vector3::zeros())];
@@ -134,7 +135,7 @@ fn a_twisted_ring_leaves_its_plane() {
             })
             .collect();
         let start = problem(0.0).and_then(|rod| rod.solve_near(&ring)).expect("a ring");
-        let sweep = Sweep { problem: &problem, from: 0.0, to: 30.0, steps: 20 };
+        let sweep = ParameterSweep { problem: &problem, from: 0.0, to: 30.0, steps: 20 };
         let branch = sweep.until_unstable(&start).expect("a branch");
         let limit = &branch.limits[0];
         let critical = TAU * 3.0_f64.sqrt() / torsion;
@@ -185,7 +186,8 @@ fn a_leaning_cantilever_snaps_at_its_fold() {
     };
     let start = problem(most).and_then(|rod| rod.solve_near(&[(0.0, root)])).expect("it leans");
     assert!(start.is_stable() && start.tip().position.x < 0.0);
-    let branch = Sweep { problem: &problem, from: most, to: 1.0, steps: 20 }.follow(&start);
+    let branch =
+        ParameterSweep { problem: &problem, from: most, to: 1.0, steps: 20 }.follow(&start);
     let branch = branch.expect("a branch");
     assert_eq!(branch.ended, BranchEnd::Returned);
     let [limit] = &branch.limits[..] else { panic!("{} limits", branch.limits.len()) };
