@@ -6,8 +6,8 @@ use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use rapunzel_repro::plot::{Chart, Curve, Drawing};
 use rapunzel_repro::{ClaimCheck, Criterion, Fallible, Figure, check};
 use rapunzel_rod_static::{
-    Branch, EndCondition, EndHold, Equilibrium, Piece, Problem, Properties, State, StaticError,
-    Sweep,
+    Branch, EndCondition, EndHold, Equilibrium, ParameterSweep, Piece, Problem, Properties, State,
+    StaticError,
 };
 use std::f64::consts::TAU;
 
@@ -24,7 +24,7 @@ fn rod(stiffness: [f64; 3], natural: Vector3<f64>, load: Vector3<f64>) -> Vec<Pi
 
 /// The first limit of the branch from `start` on.
 fn limit(problem: Family<'_>, [from, to]: [f64; 2], start: &Equilibrium) -> Fallible<f64> {
-    let branch = Sweep { problem, from, to, steps: 20 }.until_unstable(start)?;
+    let branch = ParameterSweep { problem, from, to, steps: 20 }.until_unstable(start)?;
     Ok(branch.limits.first().ok_or("it does not lose its stability")?.parameter)
 }
 
@@ -137,10 +137,11 @@ pub(crate) fn snap() -> Fallible<Figure> {
             Problem::new(&clamp, pieces, EndCondition::Free { force, moment: Vector3::zeros() })
         };
         let leans = upright(-lean)?.solve()?;
-        let turned: Branch =
-            Sweep { problem: &upright, from: -lean, to: lean, steps: 10 }.follow(&leans)?;
+        let turned: Branch = ParameterSweep { problem: &upright, from: -lean, to: lean, steps: 10 }
+            .follow(&leans)?;
         let start = &turned.points.last().ok_or("no branch")?.equilibrium;
-        let branch = Sweep { problem: &problem, from: 20.0, to: 1.0, steps: 30 }.follow(start)?;
+        let branch =
+            ParameterSweep { problem: &problem, from: 20.0, to: 1.0, steps: 30 }.follow(start)?;
         let found = branch.limits.first().ok_or("it does not snap")?.parameter;
         let right = snap_thrust(lean);
         checks.push(beside(format!("thrust, {lean} rad"), found, right, "(K + F)^2"));

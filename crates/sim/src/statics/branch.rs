@@ -11,7 +11,7 @@ use crate::case_error::CaseError;
 use nalgebra::Vector3;
 use rapunzel_rod_static as rods;
 use rapunzel_scene::case::{Case, Parameter};
-use rods::{BranchEnd, LimitKind, LimitPoint, StaticError, Sweep};
+use rods::{BranchEnd, LimitKind, LimitPoint, ParameterSweep, StaticError};
 
 /// Steps in which a critical value is sought.
 const CRITICAL_STEPS: usize = 20;
@@ -60,7 +60,7 @@ fn follow(
         Err(SimError::Static(error)) => Err(error),
         Err(_) => Err(StaticError::NotFound),
     };
-    let sweep = Sweep { problem: &problem, from, to, steps };
+    let sweep = ParameterSweep { problem: &problem, from, to, steps };
     let start = start(&at(case, of, from), &first)?;
     let branch = if until_unstable { sweep.until_unstable(&start) } else { sweep.follow(&start) };
     Ok(branch?)

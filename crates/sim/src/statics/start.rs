@@ -6,7 +6,7 @@ use crate::case_error::CaseError;
 use crate::curve::points;
 use crate::file::read_text;
 use nalgebra::{Matrix3, Point3, Rotation3, UnitQuaternion, Vector3};
-use rapunzel_rod_static::{BranchEnd, Equilibrium, Problem, State, StaticError, Sweep};
+use rapunzel_rod_static::{BranchEnd, Equilibrium, ParameterSweep, Problem, State, StaticError};
 use rapunzel_scene::case::{Case, CaseEnd, CaseStart, Parameter};
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -123,7 +123,7 @@ fn ring(case: &Case, problem: &Problem) -> Result<Equilibrium, SimError> {
     if let Ok(found) = problem.solve_from(&unloaded) {
         return Ok(found);
     }
-    let sweep = Sweep { problem: &loads, from: 0.0, to: 1.0, steps: LOAD_STEPS };
+    let sweep = ParameterSweep { problem: &loads, from: 0.0, to: 1.0, steps: LOAD_STEPS };
     let mut branch = sweep.follow(&unloaded)?;
     let last = branch.points.pop().filter(|_| branch.ended == BranchEnd::Reached);
     Ok(last.ok_or(StaticError::NotFound)?.equilibrium)
