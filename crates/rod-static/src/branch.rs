@@ -158,8 +158,8 @@ impl ParameterSweep<'_> {
         self.walk(start, false)
     }
 
-    /// The branch of [`ParameterSweep::follow`] up to where it loses its stability: its last limit, if it
-    /// ends by [`BranchEnd::Lost`].
+    /// The branch of [`ParameterSweep::follow`] up to where it loses its stability: its last limit,
+    /// if it ends by [`BranchEnd::Lost`].
     ///
     /// # Errors
     /// As [`ParameterSweep::follow`], and [`StaticError::Unstable`] for a start that is not stable.

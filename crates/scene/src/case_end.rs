@@ -10,7 +10,7 @@ pub enum CaseRoot {
     /// A clamp.
     #[default]
     Clamped,
-    /// A ball joint, which takes no moment; the pose of the clamp is then where searches start from.
+    /// A ball joint, which takes no moment; searches start from the pose of the clamp.
     Joint,
 }
 
