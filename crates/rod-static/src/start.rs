@@ -109,13 +109,8 @@ impl Problem {
         Some(states.collect())
     }
 
-<<<<<<< HEAD
-    /// The force on the end, N, that fits the balance of moments `m' + d3 x n = 0` best, or what the
-    /// end condition says of it.
-=======
     /// The force on the end, N, that fits the balance of moments `m' + d3 x n = 0` best; on a free
     /// end what the condition says.
->>>>>>> b66092f (Comments within their width)
     fn force_on_end(
         &self,
         frames: &[UnitQuaternion<f64>],
