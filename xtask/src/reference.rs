@@ -8,7 +8,7 @@ use syn::{Attribute, Fields, Item, Meta};
 use xshell::Shell;
 
 /// Where the types are, in the order of the reference.
-const SOURCES: [&str; 21] = [
+const SOURCES: [&str; 23] = [
     "lib",
     "environment",
     "fibers",
@@ -30,6 +30,8 @@ const SOURCES: [&str; 21] = [
     "stepper",
     "output",
     "case",
+    "case_end",
+    "asked",
 ];
 /// Where the reference is.
 pub(crate) const REFERENCE: &str = "docs/scene.md";

@@ -1,5 +1,6 @@
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
 use rapunzel_sim::scene::{SceneError, SceneProblem};
+use rapunzel_sim::statics::CaseError;
 use rapunzel_sim::{ChargingError, CouplingError, SimError};
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -44,7 +45,7 @@ impl Failure {
                     | SimError::Created { .. }
                     | SimError::Static(_)
                     | SimError::Equilibrium(_)
-                    | SimError::NoLength { .. },
+                    | SimError::Case(CaseError::NoLength { .. } | CaseError::NotCritical { .. }),
                 ..
             } => FAILED,
             // At the start the system is that of the scene.
@@ -64,6 +65,7 @@ impl Failure {
                     | SimError::Laboratory(_)
                     | SimError::Memory { .. }
                     | SimError::Rod { .. }
+                    | SimError::Case(_)
                     | SimError::Object { .. }
                     | SimError::Body { .. }
                     | SimError::Coupling(CouplingError::Overlap { .. })

@@ -1,7 +1,9 @@
 use crate::arguments::SolveOptions;
 use crate::failure::{Failure, UNRESOLVED};
 use crate::words::{complain, say};
-use rapunzel_sim::statics::{Case, CaseAnswer, CaseEquilibrium, Stability, Wished};
+use rapunzel_sim::statics::{
+    Case, CaseAnswer, CaseBranch, CaseEquilibrium, Ended, Stability, Wished,
+};
 use rapunzel_sim::{read_text, statics};
 use std::path::Path;
 use std::process::ExitCode;
@@ -10,14 +12,16 @@ use std::process::ExitCode;
 pub(crate) fn solve(options: &SolveOptions, json: bool) -> Result<ExitCode, Failure> {
     let path = &options.case;
     let text = read_text(path).map_err(Failure::of(path))?;
-    let case = Case::from_ron(&text).map_err(Failure::of(path))?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let case = Case::from_ron(&text).map_err(Failure::of(path))?.seen_from(folder);
     let answer = statics::solve(&case).map_err(Failure::of(path))?;
     let folder = options
         .out
         .clone()
         .unwrap_or_else(|| Path::new("runs").join(path.file_stem().unwrap_or_default()));
     answer.save(&folder, &case).map_err(Failure::of(path))?;
-    let stable = answer.holds();
+    // Along a branch unstable ones are what is asked for.
+    let stable = answer.branch.is_some() || answer.holds();
     if json {
         say(&serde_json::json!({ "folder": folder, "answer": answer, "stable": stable })
             .to_string())?;
@@ -44,6 +48,7 @@ fn report(case: &Case, answer: &CaseAnswer) -> String {
         };
         lines.push(format!("  found       the shortest whose {what} {:.6} {unit}", found.reached));
     }
+    lines.extend(answer.branch.iter().flat_map(along));
     for (i, found) in answer.equilibria.iter().enumerate() {
         if answer.equilibria.len() > 1 {
             lines.push(format!("equilibrium {i}"));
@@ -51,6 +56,31 @@ fn report(case: &Case, answer: &CaseAnswer) -> String {
         lines.extend(one(found));
     }
     lines.join("\n")
+}
+
+/// What is told of a branch.
+fn along(branch: &CaseBranch) -> Vec<String> {
+    let unit = branch.unit;
+    let [first, last] = [0, branch.points.len() - 1].map(|i| branch.points[i].parameter);
+    let ended = match branch.ended {
+        Ended::Reached => "where the range ends",
+        Ended::Returned => "past a fold, back where the range begins",
+        Ended::Lost => "where it has lost its stability",
+        Ended::Long => "after twenty times the steps: it goes on",
+        Ended::Stuck => "where no equilibrium was found beyond",
+    };
+    let count = branch.points.len();
+    let mut lines =
+        vec![format!("  branch      {count} equilibria from {first} to {last} {unit}, {ended}")];
+    for limit in &branch.limits {
+        let kind = if limit.is_fold { "fold       " } else { "bifurcation" };
+        let [before, behind] = limit.ways_down;
+        let value = limit.parameter;
+        lines.push(format!(
+            "  {kind} at {value:.9} {unit}: {before} ways down before, {behind} behind"
+        ));
+    }
+    lines
 }
 
 fn one(found: &CaseEquilibrium) -> Vec<String> {

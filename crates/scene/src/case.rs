@@ -4,13 +4,17 @@
 //! and numbers out of their range are errors. Its rod is clamped at its root, loaded along its
 //! length, and its far end is free, in a joint, in a bearing, or clamped.
 
+pub use crate::asked::{CaseStart, CaseSweep, Critical, Parameter, Wish, Wished};
+pub use crate::case_end::{CaseEnd, CaseRoot, SlidingHold};
+
 use crate::taper::{Tapered, check_taper};
 use crate::{
-    Allowed, Check, FORMAT, LoadFrame, MaterialSpec, Orientation, Pose, SceneError, SceneProblem,
-    TaperPoint, check_section, parse,
+    Allowed, Check, FORMAT, LoadFrame, MaterialSpec, Pose, SceneError, SceneProblem, TaperPoint,
+    check_section, parse,
 };
 use rapunzel_fiber::Section;
 use serde::{Deserialize, Serialize};
+use std::path::Path;
 
 /// One rod with its loads and its boundary conditions.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -32,12 +36,19 @@ pub struct Case {
     /// Darboux vector of the unloaded rod in the material frame (about d1, d2, tangent), 1/m.
     #[serde(default)]
     pub natural_curvature: [f64; 3],
+    /// Other rods, stiffly joined end to end to this one: each takes its place from an arc length
+    /// on.
+    #[serde(default)]
+    pub joined: Vec<JoinedRod>,
     /// Acceleration of free fall, m/s^2.
     #[serde(default = "earth")]
     pub gravity: [f64; 3],
     /// Pose of the clamped end of the rod.
     #[serde(default)]
     pub clamp: Pose,
+    /// What holds the rod there.
+    #[serde(default)]
+    pub root: CaseRoot,
     /// Boundary condition at the far end.
     #[serde(default)]
     pub end: CaseEnd,
@@ -53,6 +64,15 @@ pub struct Case {
     /// A length to be found, for questions such as "how long must it be".
     #[serde(default)]
     pub wish: Option<Wish>,
+    /// Where the search starts; left out, from the natural shape and from bent ones.
+    #[serde(default)]
+    pub start: Option<CaseStart>,
+    /// A parameter that changes, and the equilibria along its way.
+    #[serde(default)]
+    pub sweep: Option<CaseSweep>,
+    /// A load, a turn or a length at which the equilibrium loses its stability.
+    #[serde(default)]
+    pub critical: Option<Critical>,
     /// If given, all equilibria that are found instead of one stable equilibrium, also with up to
     /// so many whole turns of the end about its tangent; zero adds no turns. Equilibria that only
     /// differ by a turn or a reflection of the whole rod are listed once.
@@ -96,57 +116,17 @@ pub enum CaseRod {
     },
 }
 
-/// Boundary condition at the far end of a rod.
+/// A rod that another one goes on as.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub enum CaseEnd {
-    /// A free end, on which a dead force and moment may act, which keep their directions.
-    Free {
-        /// Force on the end, N, world frame.
-        #[serde(default)]
-        force: [f64; 3],
-        /// Moment on the end, N m, world frame.
-        #[serde(default)]
-        moment: [f64; 3],
-    },
-    /// A ball joint, which takes no moment.
-    Joint {
-        /// Position of the joint, m.
-        position: [f64; 3],
-    },
-    /// A bearing along a tangent, in which the rod turns freely about itself.
-    Bearing {
-        /// Position of the bearing, m.
-        position: [f64; 3],
-        /// Tangent of the bearing, away from the clamp; any length.
-        direction: [f64; 3],
-    },
-    /// A clamp at the far end.
-    Clamped {
-        /// Position of the clamped end, m.
-        position: [f64; 3],
-        /// Frame of the clamped end; its tangent is along the rod, away from the first clamp.
-        orientation: Orientation,
-    },
-}
-
-impl Default for CaseEnd {
-    fn default() -> Self {
-        Self::Free { force: [0.0; 3], moment: [0.0; 3] }
-    }
-}
-
-impl CaseEnd {
-    /// Prescribed position of the end, m; `None` for a free end.
-    #[must_use]
-    pub fn position(&self) -> Option<[f64; 3]> {
-        match self {
-            Self::Free { .. } => None,
-            Self::Joint { position }
-            | Self::Bearing { position, .. }
-            | Self::Clamped { position, .. } => Some(*position),
-        }
-    }
+pub struct JoinedRod {
+    /// Arc length from the clamp at which it begins, m; it ends where the next one begins.
+    pub from: f64,
+    /// Its stiffness and mass.
+    pub rod: CaseRod,
+    /// Its Darboux vector without loads, in the material frame, 1/m.
+    #[serde(default)]
+    pub natural_curvature: [f64; 3],
 }
 
 /// A point mass that hangs on the rod.
@@ -185,31 +165,6 @@ pub struct PlacedPoint {
     pub stiffness: Option<f64>,
 }
 
-/// A length to be found: the shortest for which a condition holds.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Wish {
-    /// The condition on the rod.
-    pub so_that: Wished,
-    /// The longest length that is tried, m.
-    pub longest: f64,
-}
-
-/// Condition on a rod of the length that is sought; the result is the shortest length that meets
-/// it.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub enum Wished {
-    /// Largest curvature of the rod, 1/m.
-    Curvature(f64),
-    /// Sag below the lower one of its ends, m.
-    Sag(f64),
-    /// Largest force on the clamp, N.
-    ClampForce(f64),
-    /// Largest moment on the clamp, N m.
-    ClampMoment(f64),
-}
-
 impl Case {
     /// Reads and validates a case.
     ///
@@ -240,6 +195,16 @@ impl Case {
     /// only.
     pub fn needs_chain(&self) -> bool {
         !self.places.is_empty() || self.forces.iter().any(|f| f.frame == LoadFrame::Follower)
+    }
+
+    /// The case with the path of the file it starts from made relative to `folder`, the folder of
+    /// the case.
+    #[must_use]
+    pub fn seen_from(mut self, folder: &Path) -> Self {
+        if let Some(CaseStart::Curve(file) | CaseStart::Answer(file)) = &mut self.start {
+            *file = folder.join(&*file);
+        }
+        self
     }
 
     fn check(&self, check: &mut Check) {
@@ -278,10 +243,9 @@ impl Case {
             }
             self.check_reach(c, "position", place.position, place.at);
         });
-        if let Some(wish) = self.wish {
-            check.within("wish", |c| wish.check(c, self.length));
-        }
-        let longest = self.wish.map_or(self.length, |wish| wish.longest);
+        self.check_joined(check);
+        self.check_asked(check);
+        let longest = self.longest();
         if let Some(position) = self.end.position() {
             self.check_reach(check, "end", position, longest);
         }
@@ -311,6 +275,29 @@ impl Case {
         }
     }
 
+    /// Reports joined rods that are not in order.
+    fn check_joined(&self, check: &mut Check) {
+        let mut before = 0.0;
+        for (i, part) in self.joined.iter().enumerate() {
+            check.within(&format!("joined[{i}]"), |c| {
+                part.rod.check(c, self.length);
+                c.vector("natural_curvature", &part.natural_curvature, "1/m");
+                if !(part.from > before && part.from < self.length) {
+                    let message = format!(
+                        "is {:?} m, but must be beyond {before:?} m, where the rod before it \
+                         begins, and before the end at {:?} m",
+                        part.from, self.length
+                    );
+                    c.refuse("from", message);
+                }
+            });
+            before = part.from;
+        }
+        if !self.joined.is_empty() && !self.taper.is_empty() {
+            check.refuse("taper", "does not go together with joined rods: give one of them".into());
+        }
+    }
+
     /// Reports a place farther from the clamp than the rod is long.
     fn check_reach(&self, check: &mut Check, field: &str, position: [f64; 3], length: f64) {
         let from = self.clamp.position;
@@ -330,7 +317,7 @@ impl Case {
             return;
         }
         let with = "does not go together with following forces and places on the way";
-        if matches!(self.end, CaseEnd::Bearing { .. } | CaseEnd::Clamped { .. }) {
+        if !matches!(self.end, CaseEnd::Free { .. } | CaseEnd::Joint { .. }) {
             check.refuse("end", format!("is held in its direction, which {with}"));
         }
         if matches!(self.end, CaseEnd::Free { moment, .. } if moment != [0.0; 3]) {
@@ -339,11 +326,17 @@ impl Case {
         if self.all_with_turns.is_some() {
             check.refuse("all_with_turns", with.into());
         }
+        if self.root == CaseRoot::Joint {
+            check.refuse("root", with.into());
+        }
+        if !self.joined.is_empty() {
+            check.refuse("joined", with.into());
+        }
     }
 }
 
 impl CaseRod {
-    fn check(&self, check: &mut Check, length: f64) {
+    pub(crate) fn check(&self, check: &mut Check, length: f64) {
         match self {
             Self::Solid { section, material } => {
                 check.within("section", |c| check_section(c, section, length));
@@ -364,37 +357,5 @@ impl CaseRod {
                 check.number("radius", *radius, Allowed::Positive, "m");
             }
         }
-    }
-}
-
-impl CaseEnd {
-    fn check(&self, check: &mut Check) {
-        match self {
-            Self::Free { force, moment } => {
-                check.vector("force", force, "N");
-                check.vector("moment", moment, "N m");
-            }
-            Self::Joint { position } => check.vector("position", position, "m"),
-            Self::Bearing { position, direction } => {
-                check.vector("position", position, "m");
-                check.direction("direction", direction);
-            }
-            Self::Clamped { position, orientation } => {
-                Pose { position: *position, orientation: *orientation }.check(check);
-            }
-        }
-    }
-}
-
-impl Wish {
-    fn check(&self, check: &mut Check, length: f64) {
-        check.number("longest", self.longest, Allowed::Within(length, 1e3), "m");
-        let (value, unit) = match self.so_that {
-            Wished::Curvature(x) => (x, "1/m"),
-            Wished::Sag(x) => (x, "m"),
-            Wished::ClampForce(x) => (x, "N"),
-            Wished::ClampMoment(x) => (x, "N m"),
-        };
-        check.number("so_that", value, Allowed::Positive, unit);
     }
 }

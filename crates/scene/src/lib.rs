@@ -1,7 +1,10 @@
 #![doc = include_str!("../README.md")]
 
 mod arrangement;
+mod asked;
+mod asked_check;
 pub mod case;
+mod case_end;
 mod charging;
 mod check;
 mod compatible;

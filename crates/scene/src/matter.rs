@@ -1,6 +1,6 @@
 //! What fibres are made of, all along them.
 
-use super::case::{Case, CaseRod};
+use super::case::{Case, CaseRod, JoinedRod};
 use super::material::{Keratin, MaterialSpec};
 use super::taper::TaperPoint;
 use super::{Bundle, Scene};
@@ -22,6 +22,9 @@ enum MatterKind {
     Solid(Material, Vec<(f64, Section)>),
     /// Numbers that change linearly, in the same way.
     Measured(Vec<(f64, NodeProperties)>),
+    /// Rods end to end: the fractions of the length at which they begin, ascending from 0, and what
+    /// they are.
+    Joined(Vec<(f64, NodeProperties)>),
 }
 
 /// What is measured of a section.
@@ -107,6 +110,10 @@ impl FiberMatter {
                     natural_curvature: Vector3::zeros(),
                 }
             }
+            MatterKind::Joined(parts) => {
+                let next = parts.partition_point(|part| part.0 <= fraction);
+                parts[next.saturating_sub(1)].1
+            }
         }
     }
 
@@ -129,7 +136,9 @@ impl FiberMatter {
         let all: Vec<f64> = match &self.0 {
             MatterKind::Uniform(_) => Vec::new(),
             MatterKind::Solid(_, points) => points.iter().map(|point| point.0).collect(),
-            MatterKind::Measured(points) => points.iter().map(|point| point.0).collect(),
+            MatterKind::Measured(points) | MatterKind::Joined(points) => {
+                points.iter().map(|point| point.0).collect()
+            }
         };
         all.into_iter().filter(|at| *at > 0.0 && *at < 1.0)
     }
@@ -151,7 +160,7 @@ impl FiberMatter {
         match &self.0 {
             MatterKind::Uniform(node) => node.section.equivalent_radius(),
             MatterKind::Solid(_, points) => largest(&mut points.iter().map(|point| point.1)),
-            MatterKind::Measured(points) => {
+            MatterKind::Measured(points) | MatterKind::Joined(points) => {
                 largest(&mut points.iter().map(|point| point.1.section))
             }
         }
@@ -227,14 +236,33 @@ impl Case {
     /// If the material is one that the [problems](Self::problems) of the case name.
     #[must_use]
     pub fn matter(&self) -> FiberMatter {
-        match self.rod {
-            CaseRod::Solid { section, material } => {
-                material.matter(section, &self.taper).expect("the case has been checked")
+        let own = self.rod.matter(&self.taper);
+        if self.joined.is_empty() {
+            return own;
+        }
+        let other = |part: &JoinedRod| {
+            let node = part.rod.matter(&[]).at(0.0);
+            let natural_curvature = Vector3::from(part.natural_curvature);
+            (part.from / self.length, NodeProperties { natural_curvature, ..node })
+        };
+        let natural_curvature = Vector3::from(self.natural_curvature);
+        let first = (0.0, NodeProperties { natural_curvature, ..own.at(0.0) });
+        let parts = [first].into_iter().chain(self.joined.iter().map(other));
+        FiberMatter(MatterKind::Joined(parts.collect()))
+    }
+}
+
+impl CaseRod {
+    /// What it is made of; the case has been checked.
+    fn matter(self, taper: &[TaperPoint]) -> FiberMatter {
+        match self {
+            Self::Solid { section, material } => {
+                material.matter(section, taper).expect("the case has been checked")
             }
-            CaseRod::Measured { bending, torsion, linear_density, radius } => {
+            Self::Measured { bending, torsion, linear_density, radius } => {
                 let own =
                     MeasuredSection { bending, torsion, linear_density, rotary_inertia: None };
-                FiberMatter::measured(own, Section::Circle { radius }, &self.taper)
+                FiberMatter::measured(own, Section::Circle { radius }, taper)
             }
         }
     }

@@ -10,7 +10,7 @@ use rapunzel_fiber::generate::LongKnot;
 use std::path::Path;
 
 /// What is wrong with a file, and in which of its lines.
-type Fault = (Option<usize>, String);
+pub(crate) type Fault = (Option<usize>, String);
 
 /// A knot after `curve` with `scale` metres for its unit, for the fibres of a bundle.
 pub(crate) fn knot(
@@ -150,7 +150,7 @@ fn read_obj(text: &str) -> Result<Obj, Fault> {
 }
 
 /// The points of a text, one in every line that has something before a `#`.
-fn points(text: &str) -> Result<Vec<Point3<f64>>, Fault> {
+pub(crate) fn points(text: &str) -> Result<Vec<Point3<f64>>, Fault> {
     let mut points = Vec::new();
     for (number, line) in (1..).zip(text.lines()) {
         let words = line.split('#').next().unwrap_or_default().split_whitespace();

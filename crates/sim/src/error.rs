@@ -1,3 +1,4 @@
+use crate::case_error::CaseError;
 use rapunzel_charging::ChargingError;
 use rapunzel_collision::CollisionError;
 use rapunzel_contact::ContactError;
@@ -220,17 +221,9 @@ pub enum SimError {
     /// A rod has no equilibrium that was found.
     #[error("the case has no answer: {0}")]
     Static(#[from] StaticError),
-    /// No length of a rod does what is wished.
-    #[error(
-        "no length between {shortest} and {longest} m does what is wished; allow a longer rod, or \
-         wish for less"
-    )]
-    NoLength {
-        /// The shortest length that was tried, m.
-        shortest: f64,
-        /// The longest, m.
-        longest: f64,
-    },
+    /// What is asked of a case has no answer.
+    #[error(transparent)]
+    Case(#[from] CaseError),
     /// A mass-spring system cannot be built, restored or moved.
     #[error("mass_spring, t = {time} s: {source}")]
     MassSpring {

@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod assemble;
+mod case_error;
 mod checkpoint;
 mod curve;
 mod energy;

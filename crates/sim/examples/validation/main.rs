@@ -12,6 +12,7 @@ mod discrete;
 mod drum;
 mod planar;
 mod spatial;
+mod stability;
 mod theory;
 mod touching;
 
@@ -20,7 +21,7 @@ use std::process::ExitCode;
 
 type Draw = fn() -> Fallible<Figure>;
 
-const PROTOCOLS: [FigureEntry<Draw>; 9] = [
+const PROTOCOLS: [FigureEntry<Draw>; 13] = [
     FigureEntry {
         number: "cantilever",
         title: "Cantilever under its weight (Romero et al. 2021)",
@@ -52,6 +53,22 @@ const PROTOCOLS: [FigureEntry<Draw>; 9] = [
         title: "The localised helix (van der Heijden and Thompson 2000)",
         draw: spatial::localised_helix,
     },
+    FigureEntry {
+        number: "columns",
+        title: "Columns (Euler 1744, Greenhill 1881)",
+        draw: stability::buckling,
+    },
+    FigureEntry { number: "snap", title: "A leaning strip snaps at a fold", draw: stability::snap },
+    FigureEntry {
+        number: "ring",
+        title: "A twisted ring leaves its plane (Michell 1889, Zajac 1962)",
+        draw: stability::ring,
+    },
+    FigureEntry {
+        number: "bend-twist",
+        title: "A hanging curved rod leaves its plane (Romero et al. 2021)",
+        draw: stability::hanging,
+    },
     FigureEntry { number: "capstan", title: "The capstan", draw: touching::capstan },
     FigureEntry {
         number: "stick-slip",
@@ -61,12 +78,7 @@ const PROTOCOLS: [FigureEntry<Draw>; 9] = [
 ];
 
 /// What is not run, and why.
-const NOT_RUN: [NotRun; 6] = [
-    NotRun {
-        title: "Bend-twist (Romero et al. 2021)",
-        why: "the boundary between flat and spatial shapes of a hanging curved rod is not computed \
-              from theory yet",
-    },
+const NOT_RUN: [NotRun; 4] = [
     NotRun {
         title: "Stick-slip of a pressed strip (Romero et al. 2021)",
         why: "its master curve is not computed from theory yet; stick and slip on a belt stands in \
@@ -75,10 +87,6 @@ const NOT_RUN: [NotRun; 6] = [
     NotRun {
         title: "The overhand knot's friction, 0.492 (Audoly, Clauvelin and Neukirch 2007)",
         why: "it is one of steady sliding, for which a knot must be drawn for long",
-    },
-    NotRun {
-        title: "A closed ring at Michell's and Zajac's twist",
-        why: "a scene cannot close a fibre to a ring",
     },
     NotRun {
         title: "Plectonemes at constant tension",

@@ -12,6 +12,9 @@ pub(crate) fn zero(mut low: f64, mut high: f64, f: impl Fn(f64) -> f64) -> f64 {
     let rises = f(high) > 0.0;
     for _ in 0..200 {
         let middle = 0.5 * (low + high);
+        if middle <= low || middle >= high {
+            break;
+        }
         *(if (f(middle) > 0.0) == rises { &mut high } else { &mut low }) = middle;
     }
     0.5 * (low + high)
@@ -77,21 +80,112 @@ pub(crate) fn cone_under_couple(tip: f64, m: f64, s: f64) -> f64 {
     m / (3.0 * c) * ((1.0 - c * s).powi(-3) - 1.0)
 }
 
-/// The force, in units of `sqrt(B C) / L^2`, under which the end of a cantilever goes aside that is
-/// stiff in the plane of the force: `4.0126`, twice the first zero of the Bessel function of order
-/// `-1/4` (Prandtl 1899, Michell 1899).
-pub(crate) fn lateral_buckling() -> f64 {
+/// The first zero beyond 1 of the Bessel function of an order between -1 and 0.
+fn bessel_zero(order: f64) -> f64 {
     // Of the series the sign alone counts, and so the power before it does not.
     let bessel = |x: f64| {
         let (mut term, mut sum) = (1.0, 1.0);
         for k in 1..60 {
             let k = f64::from(k);
-            term *= -0.25 * x * x / (k * (k - 0.25));
+            term *= -0.25 * x * x / (k * (k + order));
             sum += term;
         }
         sum
     };
-    2.0 * zero(1.0, 3.0, bessel)
+    zero(1.0, 3.0, bessel)
+}
+
+/// The force, in units of `sqrt(B C) / L^2`, under which the end of a cantilever goes aside that is
+/// stiff in the plane of the force: `4.0126`, twice the first zero of the Bessel function of order
+/// `-1/4` (Prandtl 1899, Michell 1899).
+pub(crate) fn lateral_buckling() -> f64 {
+    2.0 * bessel_zero(-0.25)
+}
+
+/// The weight, in units of `B / L^2`, under which an upright rod buckles: `7.8373`, with the first
+/// zero of the Bessel function of order `-1/3` (Greenhill 1881).
+pub(crate) fn upright_buckling() -> f64 {
+    (1.5 * bessel_zero(-1.0 / 3.0)).powi(2)
+}
+
+/// The loads, in units of `B / L^2`, of Euler's columns: free above a clamp, between joints, in a
+/// joint above a clamp (`tan x = x`), and between clamps.
+pub(crate) fn columns() -> [f64; 4] {
+    let x = zero(4.4, 4.6, |x| x.sin() - x * x.cos());
+    [FRAC_PI_2.powi(2), (2.0 * FRAC_PI_2).powi(2), x * x, (4.0 * FRAC_PI_2).powi(2)]
+}
+
+/// The twist, rad, at which a ring leaves its plane whose torsion stiffness is so many times that
+/// against bending (Michell 1889, Zajac 1962).
+pub(crate) fn ring_twist(torsion: f64) -> f64 {
+    4.0 * FRAC_PI_2 * 3.0_f64.sqrt() / torsion
+}
+
+/// The least thrust, in units of `B / L^2`, of a cantilever clamped at the angle `lean` to it that
+/// leans to the other side: with the modulus `k` it carries `(K(k) + F(phi, k))^2`,
+/// `sin(phi) = sin(lean / 2) / k`.
+pub(crate) fn snap_thrust(lean: f64) -> f64 {
+    let least = (0.5 * lean).sin();
+    let integral = |phi: f64, k: f64| first_kind(phi, k * k).unwrap_or(f64::NAN);
+    let root = |k: f64| integral(FRAC_PI_2, k) + integral((least / k).min(1.0).asin(), k);
+    // By thirds: the least value is known to the square of the bracket.
+    let (mut low, mut high) = (least, 0.9);
+    for _ in 0..100 {
+        let third = (high - low) / 3.0;
+        if root(low + third) < root(high - third) {
+            high -= third;
+        } else {
+            low += third;
+        }
+    }
+    root(low).powi(2)
+}
+
+/// The natural curvature `kappa L` from which on a rod leaves its plane that hangs down from its
+/// clamp under the weight `gamma`, in units of `B / L^2`; its torsion stiffness is `torsion` times
+/// that against bending.
+///
+/// In the plane it is the heavy elastica `theta' = kappa + M`, `M' = gamma (1 - s) sin(theta)`,
+/// with the angle `theta` from the vertical. Out of it, with the rotations `a` about the normal and
+/// `b` about the tangent and the moments `p`, `q` about them, the balance to first order is
+/// `a' = p + M b - theta' b`, `b' = (q - M a) / C + theta' a`, `p' = -theta' q + N a`,
+/// `q' = theta' p - T a`, with the weight's parts `N` along the tangent and `T` along the normal;
+/// the rod is critical where a solution with a clamped root and a free end is not zero.
+pub(crate) fn bend_twist(gamma: f64, torsion: f64) -> f64 {
+    let planar = |kappa: f64| {
+        // The moment at the root leaves none at the end.
+        let end = |moment: f64| {
+            let slope = |s: f64, y: &[f64; 2]| [kappa + y[1], gamma * (1.0 - s) * y[0].sin()];
+            integrate([0.0, moment], slope)[1]
+        };
+        zero(-kappa, 0.0, end)
+    };
+    let singular = |kappa: f64| {
+        let root = planar(kappa);
+        let column = |p: f64, q: f64| {
+            let end = integrate([0.0, root, 0.0, 0.0, p, q], |s, y| {
+                let [angle, m, a, b, p, q] = *y;
+                let (bend, weight) = (kappa + m, gamma * (1.0 - s));
+                let [along, across] = [weight * angle.cos(), -weight * angle.sin()];
+                [
+                    bend,
+                    weight * angle.sin(),
+                    p + m * b - bend * b,
+                    (q - m * a) / torsion + bend * a,
+                    -bend * q + along * a,
+                    bend * p - across * a,
+                ]
+            });
+            [end[4], end[5]]
+        };
+        let [one, other] = [column(1.0, 0.0), column(0.0, 1.0)];
+        one[0] * other[1] - one[1] * other[0]
+    };
+    let mut kappa = 0.5;
+    while singular(kappa + 1.0) * singular(kappa) > 0.0 && kappa < 60.0 {
+        kappa += 1.0;
+    }
+    zero(kappa, kappa + 1.0, singular)
 }
 
 /// The tension at which a clamped rod writhes under the twisting moment `moment`, with `B = L = 1`.
@@ -197,6 +291,7 @@ mod tests {
             assert!((along - x).abs() < 1e-9 && (down - z).abs() < 1e-9, "{along} {down}");
         }
         assert!((lateral_buckling() - 4.012_599_344).abs() < 1e-9);
+        assert!((upright_buckling() - 7.837_347_439).abs() < 1e-8);
         // Clamped ends without tension, and without a moment.
         assert!(
             writhing_tension(8.986_818_916).abs() < 1e-7,

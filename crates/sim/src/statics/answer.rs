@@ -1,3 +1,5 @@
+use nalgebra::{Matrix3, Rotation3, Vector3};
+use rapunzel_rod_static::State;
 use serde::Serialize;
 
 /// What is found of a case.
@@ -11,7 +13,11 @@ pub struct CaseAnswer {
     pub radius: f64,
     /// How the length was found, if that was asked.
     pub wish: Option<Length>,
-    /// The equilibria in the order of their energies: one that is stable, or all that were found.
+    /// The equilibria along the way of a parameter, if one was swept or its critical value asked
+    /// for.
+    pub branch: Option<CaseBranch>,
+    /// The equilibria in the order of their energies: one that is stable, or all that were found;
+    /// of a sweep those along its way that are shown, of a critical value the one at it.
     pub equilibria: Vec<CaseEquilibrium>,
 }
 
@@ -94,4 +100,97 @@ pub struct Station {
     pub moment: [f64; 3],
     /// Darboux vector in the material frame, 1/m.
     pub curvature: [f64; 3],
+}
+
+/// The equilibria along the way of a parameter.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CaseBranch {
+    /// Unit of the parameter, `m` or `degrees`; nothing for a factor.
+    pub unit: &'static str,
+    /// The equilibria in the order in which they are met.
+    pub points: Vec<BranchRow>,
+    /// Points where the stability changes, in the same order.
+    pub limits: Vec<CaseLimit>,
+    /// Why the way ends.
+    pub ended: Ended,
+    /// Indices among the points of those that are given as shapes.
+    pub shown: Vec<usize>,
+}
+
+/// Why a way of equilibria ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub enum Ended {
+    /// It has reached the end of the range.
+    Reached,
+    /// Past a fold it has come back to the start of the range.
+    Returned,
+    /// It has lost its stability, where that was asked for.
+    Lost,
+    /// It was followed for twenty times the steps that were asked for.
+    Long,
+    /// No equilibrium was found beyond.
+    Stuck,
+}
+
+/// An equilibrium at a value of the parameter, in numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct BranchRow {
+    /// Value of the parameter, in its unit.
+    pub parameter: f64,
+    /// Number of independent ways that lead down; none for a stable equilibrium.
+    pub ways_down: usize,
+    /// Elastic energy, J.
+    pub elastic_energy: f64,
+    /// Potential energy of the dead loads, J.
+    pub load_energy: f64,
+    /// What the clamp carries: the force of the rod on it, N, world frame.
+    pub clamp_force: [f64; 3],
+    /// The moment of the rod on it, N m, world frame.
+    pub clamp_moment: [f64; 3],
+    /// What acts on the far end: force, N, world frame.
+    pub end_force: [f64; 3],
+    /// Moment on the far end, N m, world frame.
+    pub end_moment: [f64; 3],
+    /// Position of the far end, m.
+    pub end_position: [f64; 3],
+}
+
+/// A point where the stability changes.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CaseLimit {
+    /// Whether the parameter turns back there (a limit load); else other equilibria branch off.
+    pub is_fold: bool,
+    /// Value of the parameter, in its unit.
+    pub parameter: f64,
+    /// Numbers of ways that lead down before and behind it.
+    pub ways_down: [usize; 2],
+    /// The equilibrium there.
+    pub equilibrium: CaseEquilibrium,
+    /// The variation in which it is neutral, at the stations of the equilibrium.
+    pub mode: Vec<ModeStation>,
+}
+
+/// A mode at one arc length.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct ModeStation {
+    /// Arc length from the clamp, m.
+    pub s: f64,
+    /// Displacement, world frame; the largest along the rod is 1 in size, or, where nothing is
+    /// displaced, the largest rotation.
+    pub displacement: [f64; 3],
+    /// Rotation vector, world frame, for that displacement in m: rad.
+    pub rotation: [f64; 3],
+}
+
+impl Station {
+    /// The state there.
+    pub(super) fn state(&self) -> State {
+        let axes = Matrix3::from_columns(&self.frame.map(Vector3::from));
+        State {
+            position: self.position.into(),
+            frame: Rotation3::from_matrix_unchecked(axes),
+            force: self.force.into(),
+            moment: self.moment.into(),
+        }
+    }
 }

@@ -1,11 +1,13 @@
 use super::answer::{CaseEquilibrium, Peak, Stability, Station};
+use super::problem::{natural_curvature, piece, pose, problem};
+use super::start::start;
 use crate::SimError;
-use nalgebra::{Isometry3, Matrix3, Point3, Rotation3, Unit, Vector3};
+use nalgebra::Vector3;
 use rapunzel_fiber::NodeProperties;
 use rapunzel_rod_static as rods;
+use rapunzel_scene::LoadFrame;
 use rapunzel_scene::case::{Case, CaseEnd};
-use rapunzel_scene::{FiberMatter, LoadFrame, Pose};
-use rods::{Chain, Piece, Problem, Properties, State, StaticError, Target};
+use rods::{Chain, State, StaticError, Target};
 
 /// Segments of a chain between two stations, at least: its error falls with their square.
 const CHAIN_SEGMENTS: usize = 400;
@@ -17,10 +19,9 @@ pub(super) fn equilibria(case: &Case) -> Result<Vec<CaseEquilibrium>, SimError> 
     if case.needs_chain() {
         return Ok(vec![chain(case)?]);
     }
-    let problem = Problem::new(&pose(&case.clamp)?, pieces(case), far_end(case)?)?;
     let found = match case.all_with_turns {
-        None => vec![problem.solve()?],
-        Some(turns) => problem.solutions(turns),
+        None => vec![start(case, &problem(case)?)?],
+        Some(turns) => problem(case)?.solutions(turns),
     };
     if found.is_empty() {
         return Err(StaticError::NotFound.into());
@@ -34,22 +35,14 @@ pub(super) fn near(case: &Case, other: &CaseEquilibrium) -> Option<CaseEquilibri
     if case.needs_chain() {
         return None;
     }
-    let problem = Problem::new(&pose(&case.clamp).ok()?, pieces(case), far_end(case).ok()?).ok()?;
+    let problem = problem(case).ok()?;
     let longer = case.length / other.stations.last()?.s;
-    let state = |station: &Station| State {
-        position: station.position.into(),
-        frame: Rotation3::from_matrix_unchecked(Matrix3::from_columns(
-            &station.frame.map(Vector3::from),
-        )),
-        force: station.force.into(),
-        moment: station.moment.into(),
-    };
-    let guess: Vec<_> = other.stations.iter().map(|one| (one.s * longer, state(one))).collect();
+    let guess: Vec<_> = other.stations.iter().map(|one| (one.s * longer, one.state())).collect();
     let found = problem.solve_near(&guess).ok()?;
     found.is_stable().then(|| resolved(case, &found))
 }
 
-fn resolved(case: &Case, found: &rods::Equilibrium) -> CaseEquilibrium {
+pub(super) fn resolved(case: &Case, found: &rods::Equilibrium) -> CaseEquilibrium {
     let states: Vec<(f64, State)> = (0..=case.parts)
         .map(|i| case.length * i as f64 / case.parts as f64)
         .map(|s| (s, found.at(s)))
@@ -97,7 +90,7 @@ fn chain(case: &Case) -> Result<CaseEquilibrium, SimError> {
         CaseEnd::Free { force, .. } => forces[count] += Vector3::from(force),
         CaseEnd::Joint { position } => targets.push(Target::held(count, position.into())),
         // Refused when the case was checked.
-        CaseEnd::Bearing { .. } | CaseEnd::Clamped { .. } => {}
+        _ => {}
     }
     chain.set_forces(&forces)?;
     chain.set_followers(&followers)?;
@@ -120,10 +113,12 @@ fn equilibrium(
     place_forces: Vec<[f64; 3]>,
 ) -> CaseEquilibrium {
     let matter = case.matter();
-    let natural = Vector3::from(case.natural_curvature);
+    let natural = natural_curvature(case);
     let curvature = |(s, state): &(f64, State)| {
-        let stiffness = matter.at(s / case.length).stiffness;
-        natural + (state.frame.inverse() * state.moment).component_div(&stiffness)
+        let NodeProperties { stiffness, natural_curvature, .. } = matter.at(s / case.length);
+        natural
+            + natural_curvature
+            + (state.frame.inverse() * state.moment).component_div(&stiffness)
     };
     // What is bent to the radius of its length, or more.
     let largest = |unit: f64, of: &dyn Fn(&State) -> f64| {
@@ -175,66 +170,6 @@ fn equilibrium(
         sag: if sag < STATION_ROUNDING * far { 0.0 } else { sag },
         stations,
     }
-}
-
-/// A part of the rod of a length, m, whose properties depend on the arc length if they do.
-fn piece(case: &Case, matter: &FiberMatter, length: f64) -> Piece {
-    let gravity = Vector3::from(case.gravity);
-    let natural = Vector3::from(case.natural_curvature);
-    let properties = move |node: NodeProperties| Properties {
-        stiffness: node.stiffness,
-        natural_curvature: natural,
-        load: gravity * node.linear_density,
-    };
-    if matter.is_uniform() {
-        return Piece::uniform(length, properties(matter.at(0.0)));
-    }
-    let (matter, whole) = (matter.clone(), case.length);
-    Piece::varying(length, move |s| properties(matter.at(s / whole)))
-}
-
-/// The rod in pieces between its masses, its forces and the points of its taper.
-fn pieces(case: &Case) -> Vec<Piece> {
-    let matter = case.matter();
-    let gravity = Vector3::from(case.gravity);
-    let masses = case.masses.iter().map(|mass| (mass.at, gravity * mass.mass));
-    let forces = case.forces.iter().map(|force| (force.at, Vector3::from(force.value)));
-    let mut loads: Vec<(f64, Vector3<f64>)> = masses.chain(forces).collect();
-    loads.extend(matter.kinks().map(|at| (at * case.length, Vector3::zeros())));
-    loads.push((case.length, Vector3::zeros()));
-    loads.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut pieces: Vec<Piece> = Vec::new();
-    let (mut from, mut sum) = (0.0, Vector3::zeros());
-    for (i, (at, load)) in loads.iter().enumerate() {
-        // What hangs on the clamp itself does not bend the rod.
-        sum = if *at > 0.0 { sum + load } else { sum };
-        let ends = loads.get(i + 1).is_none_or(|next| next.0 > *at);
-        if ends && *at > from {
-            pieces.push(piece(case, &matter, at - from).with_end_load(sum));
-            (from, sum) = (*at, Vector3::zeros());
-        }
-    }
-    pieces
-}
-
-fn far_end(case: &Case) -> Result<rods::EndCondition, SimError> {
-    Ok(match case.end {
-        CaseEnd::Free { force, moment } => {
-            rods::EndCondition::Free { force: force.into(), moment: moment.into() }
-        }
-        CaseEnd::Joint { position } => rods::EndCondition::Position(position.into()),
-        CaseEnd::Bearing { position, direction } => {
-            let tangent = Unit::new_normalize(Vector3::from(direction));
-            rods::EndCondition::Tangent(Point3::from(position), tangent)
-        }
-        CaseEnd::Clamped { position, orientation } => {
-            rods::EndCondition::Held(pose(&Pose { position, orientation })?)
-        }
-    })
-}
-
-fn pose(pose: &Pose) -> Result<Isometry3<f64>, SimError> {
-    pose.isometry().map_err(|source| SimError::Fiber { bundle: 0, source })
 }
 
 /// The vector without components that are only what rounding leaves of numbers of size `largest`.

@@ -3,6 +3,7 @@
 use super::answer::{CaseEquilibrium, Length};
 use super::equilibria::{equilibria, near};
 use crate::SimError;
+use crate::case_error::CaseError;
 use nalgebra::Vector3;
 use rapunzel_scene::case::{Case, Wish, Wished};
 
@@ -31,7 +32,8 @@ pub(super) fn find_length(case: &Case, wish: &Wish) -> Result<Length, SimError> 
     let at = |i: u32| shortest + (wish.longest - shortest) * f64::from(i) / f64::from(TRIED);
     let mut tried = (0..=TRIED).map(|i| (i, of(at(i), None)));
     let first = tried.find_map(|(i, found)| Some((i, found.filter(&does)?)));
-    let (first, mut found) = first.ok_or(SimError::NoLength { shortest, longest: wish.longest })?;
+    let (first, mut found) =
+        first.ok_or(CaseError::NoLength { shortest, longest: wish.longest })?;
     let mut length = at(first);
     if first > 0 {
         let mut short = at(first - 1);

@@ -1,4 +1,5 @@
 use super::answer::CaseAnswer;
+use super::branch::{critical, sweep};
 use super::equilibria::equilibria;
 use super::length::find_length;
 use crate::SimError;
@@ -20,11 +21,22 @@ pub fn solve(case: &Case) -> Result<CaseAnswer, SimError> {
     }
     let wish = case.wish.map(|wish| find_length(case, &wish)).transpose()?;
     let case = Case { length: wish.map_or(case.length, |found| found.length), ..case.clone() };
+    let (branch, equilibria) = if let Some(asked) = case.sweep {
+        let range = [asked.from, asked.to];
+        let (branch, shown) = sweep(&case, asked.of, range, asked.steps, asked.shapes)?;
+        (Some(branch), shown)
+    } else if let Some(asked) = case.critical {
+        let (branch, shown) = critical(&case, asked.of, [asked.first(case.length), asked.up_to])?;
+        (Some(branch), shown)
+    } else {
+        (None, equilibria(&case)?)
+    };
     Ok(CaseAnswer {
         name: case.name.clone(),
         length: case.length,
         radius: case.matter().thickest(),
         wish,
-        equilibria: equilibria(&case)?,
+        branch,
+        equilibria,
     })
 }

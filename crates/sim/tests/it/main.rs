@@ -4,6 +4,7 @@
 
 mod ball;
 mod belt;
+mod branches;
 mod buckling;
 mod capstan;
 mod charging;
