@@ -60,7 +60,7 @@ fn report(case: &Case, answer: &CaseAnswer) -> String {
 
 /// What is told of a branch.
 fn along(branch: &CaseBranch) -> Vec<String> {
-    let unit = branch.unit;
+    let unit = if branch.unit.is_empty() { String::new() } else { format!(" {}", branch.unit) };
     let [first, last] = [0, branch.points.len() - 1].map(|i| branch.points[i].parameter);
     let ended = match branch.ended {
         Ended::Reached => "where the range ends",
@@ -71,13 +71,13 @@ fn along(branch: &CaseBranch) -> Vec<String> {
     };
     let count = branch.points.len();
     let mut lines =
-        vec![format!("  branch      {count} equilibria from {first} to {last} {unit}, {ended}")];
+        vec![format!("  branch      {count} equilibria from {first} to {last:.9}{unit}, {ended}")];
     for limit in &branch.limits {
         let kind = if limit.is_fold { "fold       " } else { "bifurcation" };
         let [before, behind] = limit.ways_down;
         let value = limit.parameter;
         lines.push(format!(
-            "  {kind} at {value:.9} {unit}: {before} ways down before, {behind} behind"
+            "  {kind} at {value:.9}{unit}: {before} ways down before, {behind} behind"
         ));
     }
     lines
