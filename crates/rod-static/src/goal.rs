@@ -167,7 +167,7 @@ impl Goal {
         match self.turning {
             EndTurning::Free { moment } => vectors.push((3, node.m - moment, 6)),
             EndTurning::Held { frame } => {
-                vectors.push((3, (node.q * frame.inverse()).scaled_axis(), 3))
+                vectors.push((3, (node.q * frame.inverse()).scaled_axis(), 3));
             }
             EndTurning::Tangent { tangent, torque } => {
                 let own = node.q * Vector3::z();

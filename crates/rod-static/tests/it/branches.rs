@@ -43,9 +43,10 @@ fn eulers_columns_buckle_at_their_loads() {
     let hinged = |thrust: f64| clamped(sliding(thrust, EndHold::Joint))?.hinged();
     // The first root of tan x = x.
     let x: f64 = 4.493_409_457_909_064;
-    let columns: [(&dyn Fn(f64) -> Result<Problem, StaticError>, f64); 4] =
-        [(&free, FRAC_PI_2.powi(2)), (&guided, TAU * TAU), (&propped, x * x), (&hinged, PI * PI)];
-    for (i, (problem, critical)) in columns.into_iter().enumerate() {
+    type Column<'a> = &'a dyn Fn(f64) -> Result<Problem, StaticError>;
+    let columns: [Column; 4] = [&free, &guided, &propped, &hinged];
+    let loads = [FRAC_PI_2.powi(2), TAU * TAU, x * x, PI * PI];
+    for (i, (problem, critical)) in columns.into_iter().zip(loads).enumerate() {
         let branch = buckles(problem, 50.0);
         assert_eq!(branch.ended, BranchEnd::Lost, "column {i}");
         let limit = &branch.limits[0];
