@@ -176,6 +176,7 @@ fn pages_that_send_nonsense_are_dropped_and_the_others_go_on() {
 fn a_page_that_takes_nothing_delays_nobody() {
     let (_folder, served) = served();
     let mut good = served.page();
+    good.wait("controls", |note| note["mine"] == true);
     // It never reads.
     let _stuck = served.page();
     good.open("hairs");
