@@ -1,7 +1,6 @@
 //! Loads, turns and shapes at which rods lose their stability, by the branches of `rod-static`.
 
-use crate::discrete::frame;
-use crate::theory::{bend_twist, columns, ring_twist, snap_thrust, upright_buckling};
+use crate::theory::{columns, ring_twist, snap_thrust, upright_buckling};
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use rapunzel_repro::plot::{Chart, Curve, Drawing};
 use rapunzel_repro::{ClaimCheck, Criterion, Fallible, Figure, check};
@@ -154,34 +153,6 @@ pub(crate) fn snap() -> Fallible<Figure> {
         parameters: "thrust in units of B / L^2; the strip stays in its plane",
         checks,
         drawings: vec![chart("A leaning strip snaps", "angle, rad", "thrust", points)],
-    })
-}
-
-/// Romero et al. 2021, protocol "bend-twist": where a curved rod that hangs leaves its plane.
-pub(crate) fn hanging() -> Fallible<Figure> {
-    // Poisson's ratio 1/2.
-    let torsion = 2.0 / 3.0;
-    let root = Isometry3::from_parts(Translation3::identity(), frame(Vector3::y(), -Vector3::z()));
-    let mut checks = Vec::new();
-    let mut points = [Vec::new(), Vec::new()];
-    for gamma in [10.0, 30.0, 100.0, 300.0] {
-        let problem = |kappa: f64| {
-            let pieces = rod([1.0, 1.0, torsion], kappa * Vector3::x(), -gamma * Vector3::z());
-            Problem::new(&root, pieces, EndCondition::FREE)
-        };
-        let start = problem(0.0)?.solve()?;
-        let found = limit(&problem, [0.0, 60.0], &start)?;
-        let right = bend_twist(gamma, torsion);
-        checks.push(beside(format!("curvature, weight {gamma}"), found, right, "first order"));
-        points[0].push([gamma, found]);
-        points[1].push([gamma, right]);
-    }
-    Ok(Figure {
-        scene: "a naturally curved rod that hangs down from its clamp: up to which curvature it stays \
-                in its plane",
-        parameters: "weight in units of B / L^2, curvature in 1 / L, C / B = 2 / 3",
-        checks,
-        drawings: vec![chart("A hanging rod leaves its plane", "weight", "curvature", points)],
     })
 }
 

@@ -141,53 +141,6 @@ pub(crate) fn snap_thrust(lean: f64) -> f64 {
     root(low).powi(2)
 }
 
-/// The natural curvature `kappa L` from which on a rod leaves its plane that hangs down from its
-/// clamp under the weight `gamma`, in units of `B / L^2`; its torsion stiffness is `torsion` times
-/// that against bending.
-///
-/// In the plane it is the heavy elastica `theta' = kappa + M`, `M' = gamma (1 - s) sin(theta)`,
-/// with the angle `theta` from the vertical. Out of it, with the rotations `a` about the normal and
-/// `b` about the tangent and the moments `p`, `q` about them, the balance to first order is
-/// `a' = p + M b - theta' b`, `b' = (q - M a) / C + theta' a`, `p' = -theta' q + N a`,
-/// `q' = theta' p - T a`, with the weight's parts `N` along the tangent and `T` along the normal;
-/// the rod is critical where a solution with a clamped root and a free end is not zero.
-pub(crate) fn bend_twist(gamma: f64, torsion: f64) -> f64 {
-    let planar = |kappa: f64| {
-        // The moment at the root leaves none at the end.
-        let end = |moment: f64| {
-            let slope = |s: f64, y: &[f64; 2]| [kappa + y[1], gamma * (1.0 - s) * y[0].sin()];
-            integrate([0.0, moment], slope)[1]
-        };
-        zero(-kappa, 0.0, end)
-    };
-    let singular = |kappa: f64| {
-        let root = planar(kappa);
-        let column = |p: f64, q: f64| {
-            let end = integrate([0.0, root, 0.0, 0.0, p, q], |s, y| {
-                let [angle, m, a, b, p, q] = *y;
-                let (bend, weight) = (kappa + m, gamma * (1.0 - s));
-                let [along, across] = [weight * angle.cos(), -weight * angle.sin()];
-                [
-                    bend,
-                    weight * angle.sin(),
-                    p + m * b - bend * b,
-                    (q - m * a) / torsion + bend * a,
-                    -bend * q + along * a,
-                    bend * p - across * a,
-                ]
-            });
-            [end[4], end[5]]
-        };
-        let [one, other] = [column(1.0, 0.0), column(0.0, 1.0)];
-        one[0] * other[1] - one[1] * other[0]
-    };
-    let mut kappa = 0.5;
-    while singular(kappa + 1.0) * singular(kappa) > 0.0 && kappa < 60.0 {
-        kappa += 1.0;
-    }
-    zero(kappa, kappa + 1.0, singular)
-}
-
 /// The tension at which a clamped rod writhes under the twisting moment `moment`, with `B = L = 1`.
 ///
 /// Beside the straight line there are `exp(i k s)` with `k = a + b` and `a - b`, where `a = M / 2`
