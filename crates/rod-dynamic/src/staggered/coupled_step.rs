@@ -9,7 +9,7 @@ use super::ends::Held;
 use super::inputs::BatchInputs;
 use super::joint_geometry::keep_directors;
 use super::response::Inertia;
-use super::scheme::StepProblem;
+use super::scheme::{Stage, StepProblem};
 use super::search::Search;
 use super::simd_batch::SimdBatch;
 use crate::Impulses;
@@ -172,9 +172,7 @@ impl<S: Simd> SimdBatch<S> {
             fn call(self) -> [f64; LANES] {
                 let pack = self.0;
                 let stage = pack.stage(&pack.last_dt, pack.problem);
-                pack.recall_directors();
-                pack.solve_response(&stage, Inertia::Own, 0);
-                let turns = pack.take_sum();
+                let turns = pack.take_response(&stage);
                 pack.prepare(&stage);
                 pack.chain.shape();
                 turns
@@ -183,10 +181,19 @@ impl<S: Simd> SimdBatch<S> {
         self.chain.simd.vectorize(Advance(self))
     }
 
+    /// Solves for the response to the change of the impulses in the workspace, and takes it with
+    /// the increments of the last linearisation. Returns the largest increment of each lane, rad.
+    #[inline(always)]
+    pub(super) fn take_response(&mut self, stage: &Stage<S>) -> [f64; LANES] {
+        self.recall_directors();
+        self.solve_response(stage, Inertia::Own, 0);
+        self.take_sum()
+    }
+
     /// Takes the increments of the last linearisation with the response in the workspace. Returns
     /// the largest increment of each lane, rad.
     #[inline(always)]
-    pub(super) fn take_sum(&mut self) -> [f64; LANES] {
+    fn take_sum(&mut self) -> [f64; LANES] {
         for i in 0..2 * self.chain.n {
             let sum = self.chain.vec(&self.chain.kept.step, i)
                 + self.chain.vec(&self.chain.room.solution, i);

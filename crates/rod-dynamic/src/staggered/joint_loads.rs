@@ -7,7 +7,7 @@
 use super::array::{at, fit, get, set};
 use super::attempt::BatchAttempts;
 use super::readout::BatchReadout;
-use super::response::{ImpulseColumns, Inertia};
+use super::response::ImpulseColumns;
 use super::scheme::StepProblem;
 use super::simd_batch::SimdBatch;
 use crate::{JointLoads, LoadPlace, LoadPoint};
@@ -151,9 +151,7 @@ impl<S: Simd> BatchJointLoads for SimdBatch<S> {
             fn call(self) -> [f64; LANES] {
                 let pack = self.0;
                 let stage = pack.stage(&pack.last_dt, pack.problem);
-                pack.recall_directors();
-                pack.solve_response(&stage, Inertia::Own, 0);
-                pack.take_sum()
+                pack.take_response(&stage)
             }
         }
         self.chain.simd.vectorize(AdvanceLoaded(self))
