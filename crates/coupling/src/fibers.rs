@@ -1,3 +1,4 @@
+use crate::array_pool::ArrayPool;
 use crate::{CouplingError, EnergyLedger, FiberGroup, RodBatch, StepReport, Surroundings};
 use nalgebra::{Point3, Vector3};
 use rapunzel_fiber::Assembly;
@@ -14,6 +15,9 @@ pub struct Fibers<B: RodBatch + ?Sized> {
     lanes: Vec<(usize, usize)>,
     /// Since the start, if it is kept.
     ledger: Option<EnergyLedger>,
+    /// Positions and vectors of all nodes or segments, for the steps of fibres in contact.
+    pub(crate) positions: ArrayPool<Point3<f64>>,
+    pub(crate) vectors: ArrayPool<Vector3<f64>>,
 }
 
 impl<B: RodBatch + ?Sized> Fibers<B> {
@@ -30,7 +34,9 @@ impl<B: RodBatch + ?Sized> Fibers<B> {
         if keeps_ledger {
             groups.iter_mut().for_each(|group| group.batch.keep_ledgers());
         }
-        Self { assembly, groups, lanes, ledger: keeps_ledger.then(EnergyLedger::default) }
+        let ledger = keeps_ledger.then(EnergyLedger::default);
+        let (positions, vectors) = (ArrayPool::default(), ArrayPool::default());
+        Self { assembly, groups, lanes, ledger, positions, vectors }
     }
 
     /// The fibres in their natural state.

@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod array_pool;
 mod batch;
 mod conditions;
 mod contact;

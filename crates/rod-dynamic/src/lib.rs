@@ -30,7 +30,8 @@ pub use moments::elastic_moments;
 pub use response::{ImpulseResponse, Impulses, Point, PointResponses};
 pub use rod::{Energy, Momentum, Rod, RodIntegrator, RodState, RodStepReport, SectionLaws};
 pub use staggered::{
-    EquilibriumError, FittedFiber, Staggered, StaggeredBatch, bounded_natural_curvatures,
-    equilibrium, expected_error, fitted, fitted_end_load, natural_curvatures,
+    EquilibriumError, FittedFiber, Staggered, StaggeredBatch, StepVelocity,
+    bounded_natural_curvatures, equilibrium, expected_error, fitted, fitted_end_load,
+    natural_curvatures,
 };
 pub use support::{EndSupport, Restraint};

@@ -1,7 +1,7 @@
 //! Pairs that stay good for a while.
 
 use super::bounds::{Bounds, above, below};
-use super::way::{OneWay, Way, ways};
+use super::way::{OneWay, Way, take_ways};
 use super::{NONE, Tree};
 use crate::capsules::length;
 use crate::narrow::{self, CapsuleContact, squared_distances};
@@ -62,6 +62,8 @@ struct List {
     regions: Vec<u32>,
     /// The last motion.
     way: Way,
+    /// Workspace: the ways of all segments.
+    ways: Vec<OneWay>,
     /// Motions in a row that were too wide for a list.
     wide: usize,
 }
@@ -129,13 +131,16 @@ impl Candidates {
             self.update(start)?;
         }
         let Some(list) = &mut self.list else { return Ok(Vec::new()) };
-        let ways = ways(start, end);
+        let mut ways = std::mem::take(&mut list.ways);
+        take_ways(start, end, &mut ways);
         match list.way.astray(start, end) {
             None => list.set_out(start, end, &ways)?,
             Some(astray) if astray.nodes.is_empty() => (),
             Some(astray) => list.way.turn(start, end, &astray, &mut list.tree, self.reach)?,
         }
-        Ok(list.way.go(&ways, self.reach))
+        let found = list.way.go(&ways, self.reach);
+        list.ways = ways;
+        Ok(found)
     }
 
     /// All contacts with gaps of at most the reach, as [`crate::contacts`] finds them.
@@ -188,6 +193,7 @@ impl List {
             hulls: Vec::new(),
             regions,
             way: Way::default(),
+            ways: Vec::new(),
             wide: 0,
         };
         list.search(capsules);

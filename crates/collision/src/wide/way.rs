@@ -98,7 +98,8 @@ impl Way {
         let end = Capsules::new(layout, &self.end, start.radii())?;
         tree.refit_swept(start, &end, 0.5 * reach)?;
         let mut found = Vec::new();
-        let ways = ways(start, &end);
+        let mut ways = Vec::new();
+        take_ways(start, &end, &mut ways);
         let near = sieve(start, &ways, reach);
         tree.sifted_pairs_of(&turned, |pairs| near(pairs), &mut found);
         self.all.retain(|(pair, _)| pair.iter().all(|&segment| !turned[segment as usize]));
@@ -154,6 +155,7 @@ fn sieve(
 }
 
 /// The way of one segment.
+#[derive(Debug, Clone)]
 pub(super) struct OneWay {
     /// Of its middle, m.
     middle: Vector3<f64>,
@@ -161,15 +163,15 @@ pub(super) struct OneWay {
     own: f64,
 }
 
-/// The ways of all segments.
-pub(super) fn ways(start: &Capsules, end: &Capsules) -> Vec<OneWay> {
+/// Replaces `ways` by those of all segments.
+pub(super) fn take_ways(start: &Capsules, end: &Capsules, ways: &mut Vec<OneWay>) {
     let way = |segment| {
         let nodes = start.layout().segment_nodes(segment);
         let [a, b] = nodes.map(|node| end.positions()[node] - start.positions()[node]);
         let own = 0.5 * (a - b).norm() + start.radii()[segment];
         OneWay { middle: 0.5 * (a + b), own }
     };
-    (0..start.len()).into_par_iter().map(way).collect()
+    (0..start.len()).into_par_iter().map(way).collect_into_vec(ways);
 }
 
 /// Whether a pair at a squared distance, m², at the start may come within `reach`, m, on its ways.

@@ -22,7 +22,7 @@ use rayon::prelude::*;
 const FIBERS: usize = 8;
 
 /// How much closer two segments may come before the list of pairs is made anew, in margins.
-const RESERVE: f64 = 16.0;
+const RESERVE: f64 = 128.0;
 
 /// Finds contact points, with lists that live for many steps.
 pub(crate) struct ContactDetector {

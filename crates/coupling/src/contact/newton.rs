@@ -14,7 +14,7 @@ use crate::contact_point::ContactPoint;
 use crate::phase_times::PhaseTimer;
 use rapunzel_collision::CollisionError;
 use rapunzel_contact::Tolerance;
-use rapunzel_rod_dynamic::Impulses;
+use rapunzel_rod_dynamic::{Impulses, StepVelocity};
 use rapunzel_scene::{ContactMethod, ContactSettings};
 
 /// Most iterations of Newton's method with one list of contacts.
@@ -106,7 +106,7 @@ impl ContactStepper {
         let last = part.turns.iter_mut().zip(&turns).zip(still);
         last.filter(|(_, still)| !**still).for_each(|((last, turn), _)| *last = *turn);
         laps.lap(&mut self.times.rods);
-        let found = case.certificate(system, &system.fibers.mean_velocities());
+        let found = case.certificate(system, &system.fibers.velocities(StepVelocity::Mean));
         case.set_error(self.tolerance(part.dt).error(&found));
         laps.lap(&mut self.times.laws);
         part.report.iterations += system.fibers.assembly().fibers().len();
@@ -129,8 +129,8 @@ impl ContactStepper {
         case: &ContactProblem,
     ) -> Result<bool, CollisionError> {
         let mut laps = PhaseTimer::start(self.stopwatch);
-        let mean = system.fibers.mean_velocities();
-        let ends = part.ends(system, &self.shapes, &mean.nodes);
+        let mean = system.fibers.velocities(StepVelocity::Mean);
+        let ends = system.fibers.ends(&self.shapes);
         let near = case.near(system, &mean, part.dt);
         let found = detection::gaps(&part.motion(system, &self.shapes, &ends), &near)?;
         laps.lap(&mut self.times.detection);

@@ -23,6 +23,7 @@ use crate::{CouplingError, StepReport, TimeInterval};
 use nalgebra::Vector3;
 use rapunzel_collision::CollisionError;
 use rapunzel_contact::{Admm, ContactSolver, Polished, Tolerance};
+use rapunzel_rod_dynamic::StepVelocity;
 use rapunzel_scene::{Adhesion, ContactMethod, ContactSettings};
 
 /// Most lists of contacts in a substep.
@@ -230,7 +231,7 @@ impl ContactStepper {
         if system.land(&points) {
             return Err(SubstepFailure::Landed);
         }
-        let mean = system.fibers.mean_velocities();
+        let mean = system.fibers.velocities(StepVelocity::Mean);
         let room = std::mem::take(&mut self.room);
         let mut case = self.case(system, part, expected, &mean, points, room)?;
         let mut laps = PhaseTimer::start(self.stopwatch);
@@ -246,7 +247,7 @@ impl ContactStepper {
             let found = self.look_at_end(system, part, case.points())?;
             through = found.through;
             let mut laps = PhaseTimer::start(self.stopwatch);
-            let mean = system.fibers.mean_velocities();
+            let mean = system.fibers.velocities(StepVelocity::Mean);
             part.work = case.work(system, &mean, dt, self.settings.slip);
             laps.lap(&mut self.times.laws);
             let report = &mut part.report.contact;
@@ -342,8 +343,7 @@ impl ContactStepper {
     ) -> Result<Vec<ContactPoint>, CollisionError> {
         let mut laps = PhaseTimer::start(self.stopwatch);
         let mut points = std::mem::take(&mut self.points);
-        // Lists take much room: the velocities go before, and come again.
-        let ends = part.ends(system, &self.shapes, &system.fibers.mean_velocities().nodes);
+        let ends = system.fibers.ends(&self.shapes);
         let motion = part.motion(system, &self.shapes, &ends);
         let held: Vec<HeldPlace> = expected.held_places().collect();
         let held = HeldPlaces { places: &held, slack: HELD * self.depth() };
@@ -363,7 +363,7 @@ impl ContactStepper {
         bearing: &[ContactPoint],
     ) -> Result<Overlaps, CollisionError> {
         let mut laps = PhaseTimer::start(self.stopwatch);
-        let ends = part.ends(system, &self.shapes, &system.fibers.mean_velocities().nodes);
+        let ends = system.fibers.ends(&self.shapes);
         let motion = part.motion(system, &self.shapes, &ends);
         let shallow = self.shallow();
         let mut found = self.detector.overlaps(&motion, system.objects, shallow)?;

@@ -5,7 +5,6 @@ use super::sections::{OrientedSections, SectionShapes};
 use super::system::CoupledSystem;
 use crate::StepReport;
 use crate::TimeInterval;
-use nalgebra::Vector3;
 
 /// A substep: the part of a step at hand.
 pub(super) struct Substep {
@@ -28,19 +27,6 @@ impl Substep {
     /// That no group is still.
     pub(super) fn all(&self) -> Vec<bool> {
         vec![false; self.turns.len()]
-    }
-
-    /// Positions of all nodes, m, at the start, and at the end if they have these mean velocities,
-    /// m/s, and how flat sections lie then.
-    pub(super) fn ends(
-        &self,
-        system: &CoupledSystem,
-        shapes: &SectionShapes,
-        mean: &[Vector3<f64>],
-    ) -> StepEnds {
-        let start = system.fibers.positions();
-        let end = start.iter().zip(mean).map(|(x, v)| x + v * self.dt).collect();
-        StepEnds { start, end, directors: system.fibers.directors(shapes) }
     }
 
     /// The motion of all nodes between positions at the start and at the end.

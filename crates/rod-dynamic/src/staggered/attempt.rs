@@ -7,6 +7,7 @@ use super::scheme::StepProblem;
 use super::search::SearchOutcome;
 use super::simd_batch::SimdBatch;
 use super::workspace;
+use pulp::bytemuck::Zeroable;
 use pulp::{NullaryFnOnce, Simd};
 use rapunzel_lanes::LANES;
 
@@ -110,6 +111,8 @@ impl<S: Simd> BatchAttempts for SimdBatch<S> {
                 let stage = pack.stage(dt, problem);
                 if problem == StepProblem::Step {
                     pack.look_ahead(&stage, wanted);
+                } else {
+                    pack.chain.kept.spin.fill(S::f64s::zeroed());
                 }
                 pack.prepare(&stage);
                 pack.begin_laws();

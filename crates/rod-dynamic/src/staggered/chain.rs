@@ -92,12 +92,15 @@ impl<S: Simd> RotationChain<S> {
     }
     #[inline(always)]
     pub(super) fn directors(&self, e: usize) -> [V3<S>; 3] {
-        [0, 1, 2].map(|k| self.vec(&self.room.d, 3 * e + k))
+        // Not by `map`, which is called with all registers in memory.
+        let d = |k: usize| self.vec(&self.room.d, 3 * e + k);
+        [d(0), d(1), d(2)]
     }
     /// Directors d1, d2, d3 of segment `e` at the start of the step, world.
     #[inline(always)]
     pub(super) fn directors_before(&self, e: usize) -> [V3<S>; 3] {
-        [0, 1, 2].map(|k| self.vec(&self.room.d_start, 3 * e + k))
+        let d = |k: usize| self.vec(&self.room.d_start, 3 * e + k);
+        [d(0), d(1), d(2)]
     }
     /// World components of a load given in world and follower components, for an end with the
     /// directors `frame`.
@@ -120,13 +123,7 @@ impl<S: Simd> RotationChain<S> {
     #[inline(always)]
     pub(super) fn shape(&mut self) -> (Lane<S>, V3<S>) {
         let (simd, n, ends) = (self.simd, self.n, self.ends);
-        // Directors of all segments.
-        for e in 0..n {
-            let d = self.quat(&self.q[4 * e..4 * e + 4]).directors();
-            for k in 0..3 {
-                store(&mut self.room.d, 3 * e + k, d[k]);
-            }
-        }
+        self.take_directors();
         // End forces in the world.
         let last = self.directors(n - 1);
         let tip_force = self.world(ends.tip_force, last);
@@ -156,13 +153,7 @@ impl<S: Simd> RotationChain<S> {
         if let Some(supports) = &self.supports {
             position = self.supported_root(supports, position, [root_force, tip_force]);
         }
-        // Positions r_(e+1) = r_e + h_e d3_e.
-        store(&mut self.kept.r, 0, position);
-        for e in 0..n {
-            position =
-                self.vec(&self.room.d, 3 * e + 2).mul_add(self.one(&self.model.h, e), position);
-            store(&mut self.kept.r, e + 1, position);
-        }
+        position = self.lay(position);
         let mut gap =
             (self.vec(&ends.tip_position, 0) - position).scale(Lane::new(simd, ends.tip_held));
         // Forces from the tip inward, n_a = n_(a+1) + b_a - mu_a u_a; the tip's own balance gives
@@ -187,6 +178,38 @@ impl<S: Simd> RotationChain<S> {
         let (u, energy) = self.node_potential(0);
         potential = potential + root_free * (energy - root_force.dot(u));
         (potential, gap)
+    }
+
+    /// Rebuilds directors and positions of fibres with held roots from the rotations.
+    #[inline(always)]
+    pub(super) fn place(&mut self) {
+        self.take_directors();
+        self.lay(self.vec(&self.ends.root_position, 0));
+    }
+
+    /// Computes the directors of all segments at the present rotations.
+    #[inline(always)]
+    fn take_directors(&mut self) {
+        for e in 0..self.n {
+            let d = self.quat(&self.q[4 * e..4 * e + 4]).directors();
+            for k in 0..3 {
+                store(&mut self.room.d, 3 * e + k, d[k]);
+            }
+        }
+    }
+
+    /// Positions `r_(e+1) = r_e + h_e d3_e` of all nodes behind the root at a position. Returns
+    /// the tip's.
+    #[inline(always)]
+    fn lay(&mut self, root: V3<S>) -> V3<S> {
+        let mut position = root;
+        store(&mut self.kept.r, 0, position);
+        for e in 0..self.n {
+            position =
+                self.vec(&self.room.d, 3 * e + 2).mul_add(self.one(&self.model.h, e), position);
+            store(&mut self.kept.r, e + 1, position);
+        }
+        position
     }
 
     /// Displacement `u` of node `a` from the start of the step, and its potential `mu u^2 / 2 - b

@@ -46,8 +46,8 @@ impl StaggeredBatch {
     }
 
     /// Solves Newton's equations at the present shape of the step under way, without taking the
-    /// increments: [`Self::linear_velocities`] and [`ImpulseResponse`] then refer to them. Returns
-    /// the largest increment, rad.
+    /// increments: [`StepVelocity::Linear`](super::StepVelocity) and [`ImpulseResponse`] then refer
+    /// to them. Returns the largest increment, rad.
     ///
     /// # Errors
     /// [`StepError::NotConverged`] if they have no solution.
@@ -65,22 +65,6 @@ impl StaggeredBatch {
     pub fn press(&mut self, impulses: Impulses) -> Result<(), StepError> {
         self.check_under_way()?;
         self.set_impulses(impulses)
-    }
-
-    /// Mean velocities of all nodes over the step if the increments of the last linearisation were
-    /// taken, to first order, m/s.
-    ///
-    /// # Errors
-    /// [`RodError::Length`] for an array of the wrong length.
-    pub fn linear_velocities(&self, velocities: &mut [Vector3<f64>]) -> Result<(), RodError> {
-        self.check_step()?;
-        check("velocities", self.nodes(), velocities.len())?;
-        let nodes = self.nodes() / self.rods().len();
-        for (k, velocity) in velocities.iter_mut().enumerate() {
-            let way = self.engine.linear_displacement(k / nodes, k % nodes);
-            *velocity = way / self.predicted;
-        }
-        Ok(())
     }
 
     /// Takes the increments of the last linearisation, with these impulses in
@@ -157,20 +141,6 @@ impl StaggeredBatch {
         }
     }
 
-    /// Mean velocities of all nodes over the step under way, m/s: displacement over its length.
-    ///
-    /// # Errors
-    /// [`RodError::Length`] for an array of the wrong length.
-    pub fn mean_velocities(&self, velocities: &mut [Vector3<f64>]) -> Result<(), RodError> {
-        self.check_step()?;
-        check("velocities", self.nodes(), velocities.len())?;
-        let nodes = self.nodes() / self.rods().len();
-        for (k, velocity) in velocities.iter_mut().enumerate() {
-            *velocity = self.engine.displacement(k / nodes, k % nodes) / self.predicted;
-        }
-        Ok(())
-    }
-
     fn check_impulses(&self, impulses: Impulses) -> Result<(), StepError> {
         let (time, fibers) = (self.time(), self.rods().len());
         let segments = self.nodes() / fibers - 1;
@@ -207,47 +177,6 @@ impl StaggeredBatch {
     #[must_use]
     pub fn clamps(&self, fiber: usize) -> [bool; 2] {
         self.engine.clamps(fiber)
-    }
-
-    /// Angular velocities of all segments at the start of the step under way, rad/s, world.
-    ///
-    /// # Errors
-    /// [`RodError::Length`] for an array of the wrong length.
-    pub fn start_spins(&self, spins: &mut [Vector3<f64>]) -> Result<(), RodError> {
-        self.check_spins(spins)?;
-        let segments = self.rods()[0].fiber.segments();
-        for (k, spin) in spins.iter_mut().enumerate() {
-            *spin = self.engine.spin(k / segments, k % segments);
-        }
-        Ok(())
-    }
-
-    /// Mean angular velocities of all segments over the step under way, rad/s, world: rotation over
-    /// its length. With backward Euler the rotation is the swing of the axis with any number of
-    /// turns about that.
-    ///
-    /// # Errors
-    /// [`RodError::Length`] for an array of the wrong length.
-    pub fn mean_spins(&self, spins: &mut [Vector3<f64>]) -> Result<(), RodError> {
-        self.check_spins(spins)?;
-        self.engine.mean_spins(false, spins);
-        Ok(())
-    }
-
-    /// Mean angular velocities of all segments over the step if the increments of the last
-    /// linearisation were taken, to first order, rad/s, world.
-    ///
-    /// # Errors
-    /// [`RodError::Length`] for an array of the wrong length.
-    pub fn linear_spins(&self, spins: &mut [Vector3<f64>]) -> Result<(), RodError> {
-        self.check_spins(spins)?;
-        self.engine.mean_spins(true, spins);
-        Ok(())
-    }
-
-    fn check_spins(&self, spins: &[Vector3<f64>]) -> Result<(), RodError> {
-        self.check_step()?;
-        check("spins", self.nodes() - self.rods().len(), spins.len())
     }
 
     /// Takes all fibres to equilibrium and to rest there; `dt` is the length of the step (s) whose

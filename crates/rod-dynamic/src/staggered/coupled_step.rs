@@ -4,7 +4,7 @@
 //! again, and the other coefficients are recomputed from the state and the impulses, which costs
 //! less than to keep them.
 
-use super::array::{self, get, set, store};
+use super::array::{self, get, store};
 use super::ends::Held;
 use super::inputs::BatchInputs;
 use super::joint_geometry::keep_directors;
@@ -13,8 +13,7 @@ use super::scheme::{Stage, StepProblem};
 use super::search::Search;
 use super::simd_batch::SimdBatch;
 use crate::Impulses;
-use nalgebra::Vector3;
-use pulp::bytemuck::Zeroable;
+use pulp::bytemuck::{self, Zeroable};
 use pulp::{NullaryFnOnce, Simd};
 use rapunzel_lanes::{LANES, Lane};
 
@@ -34,10 +33,6 @@ pub(super) trait BatchCoupledStep {
     /// Takes the increments of the last linearisation, with other impulses on `fibers` fibres than
     /// those it had. Returns the largest increment of each lane, rad.
     fn advance(&mut self, fibers: usize, impulses: Impulses) -> [f64; LANES];
-    /// Writes mean angular velocities of all segments over the step, fibre by fibre, rad/s, world:
-    /// the rotation as solved last, with the increments of the last linearisation to first order if
-    /// it is to be `linear`, over the length of the step.
-    fn mean_spins(&self, linear: bool, spins: &mut [Vector3<f64>]);
     /// Recomputes the shape that the last call of a step has reached, so that it can be committed.
     fn arrive(&mut self);
 }
@@ -58,6 +53,8 @@ impl<S: Simd> BatchCoupledStep for SimdBatch<S> {
                 let stage = self.0.stage(&self.0.last_dt, self.0.problem);
                 if self.0.problem == StepProblem::Step {
                     self.0.look_ahead(&stage, &[true; LANES]);
+                } else {
+                    self.0.chain.kept.spin.fill(S::f64s::zeroed());
                 }
                 self.0.prepare(&stage);
                 self.0.begin_laws();
@@ -97,53 +94,13 @@ impl<S: Simd> BatchCoupledStep for SimdBatch<S> {
     }
 
     fn advance(&mut self, fibers: usize, impulses: Impulses) -> [f64; LANES] {
-        let n = self.chain.n;
-        self.chain.room.values.fill(S::f64s::zeroed());
-        self.chain.room.turns.fill(S::f64s::zeroed());
+        // What the impulses change by, as far as no end takes it up.
+        self.add_impulses(-1.0);
         for lane in 0..fibers {
-            let own = impulses.of_fiber(lane, n);
-            for (a, impulse) in own.nodes.iter().enumerate() {
-                let change = impulse - self.vector(&self.impulses, a, lane);
-                for i in 0..3 {
-                    set(&mut self.chain.room.values, 3 * a + i, lane, change[i]);
-                }
-            }
-            let known = self.moments.len() / 3;
-            for e in 0..known.max(own.segments.len()) {
-                let before =
-                    if known > e { self.vector(&self.moments, e, lane) } else { Vector3::zeros() };
-                let change = own.segments.get(e).copied().unwrap_or_default() - before;
-                for i in 0..3 {
-                    set(&mut self.chain.room.turns, 3 * e + i, lane, change[i]);
-                }
-            }
-            self.set_impulses(lane, own);
+            self.set_impulses(lane, impulses.of_fiber(lane, self.chain.n));
         }
+        self.add_impulses(1.0);
         self.take_increments()
-    }
-
-    fn mean_spins(&self, linear: bool, spins: &mut [Vector3<f64>]) {
-        struct MeanSpins<'a, S: Simd>(&'a SimdBatch<S>, bool, &'a mut [Vector3<f64>]);
-        impl<S: Simd> NullaryFnOnce for MeanSpins<'_, S> {
-            type Output = ();
-            #[inline(always)]
-            fn call(self) {
-                let Self(pack, linear, spins) = self;
-                let n = pack.chain.n;
-                let rate = Lane::load(pack.chain.simd, &pack.last_dt, 0).recip();
-                for e in 0..n {
-                    let mut turn = pack.step_rotation(e);
-                    if linear {
-                        turn += pack.chain.vec(&pack.chain.kept.step, 2 * e + 1);
-                    }
-                    let spin = turn.scale(rate);
-                    for (lane, own) in spins.chunks_exact_mut(n).enumerate() {
-                        own[e] = Vector3::from_fn(|i, _| get(spin.0[i], lane));
-                    }
-                }
-            }
-        }
-        self.chain.simd.vectorize(MeanSpins(self, linear, spins));
     }
 
     fn arrive(&mut self) {
@@ -162,6 +119,20 @@ impl<S: Simd> BatchCoupledStep for SimdBatch<S> {
 }
 
 impl<S: Simd> SimdBatch<S> {
+    /// Adds `sign` times the impulses and their moments to zeros, if that is negative, or to what
+    /// is in the workspace.
+    fn add_impulses(&mut self, sign: f64) {
+        let room = &mut self.chain.room;
+        for (sums, own) in [(&mut room.values, &self.impulses), (&mut room.turns, &self.moments)] {
+            if sign < 0.0 {
+                sums.fill(S::f64s::zeroed());
+            }
+            let own = bytemuck::cast_slice::<S::f64s, f64>(own);
+            let sums = bytemuck::cast_slice_mut::<S::f64s, f64>(sums);
+            sums.iter_mut().zip(own).for_each(|(sum, own)| *sum += sign * own);
+        }
+    }
+
     /// Takes the increments of the last linearisation together with those that the change of the
     /// impulses in the workspace causes. Returns the largest increment of each lane, rad.
     fn take_increments(&mut self) -> [f64; LANES] {
@@ -173,8 +144,13 @@ impl<S: Simd> SimdBatch<S> {
                 let pack = self.0;
                 let stage = pack.stage(&pack.last_dt, pack.problem);
                 let turns = pack.take_response(&stage);
-                pack.prepare(&stage);
-                pack.chain.shape();
+                // Only where a root is held do positions follow from rotations alone.
+                if pack.chain.ends.any_root_free || pack.chain.supports.is_some() {
+                    pack.prepare(&stage);
+                    pack.chain.shape();
+                } else {
+                    pack.chain.place();
+                }
                 turns
             }
         }

@@ -10,6 +10,7 @@ use super::memory::BatchMemory;
 use super::readout::BatchReadout;
 use super::scheme::Scheme;
 use super::simd_batch::SimdBatch;
+use super::velocities::BatchVelocities;
 use crate::Rod;
 
 /// A [`SimdBatch`] of any register width.
@@ -22,6 +23,7 @@ pub(super) trait ErasedBatch:
     + BatchCoupledStep
     + BatchResponse
     + BatchJointLoads
+    + BatchVelocities
     + Send
     + Sync
 {

@@ -87,7 +87,7 @@ impl<S: Simd> Right<'_, S> {
     /// Moments `x` and `y` of segment `e`.
     #[inline(always)]
     pub(super) fn moments(&self, simd: S, e: usize) -> [V3<S>; 2] {
-        [0, 1].map(|k| V3::load(simd, self.moments, 2 * e + k))
+        [V3::load(simd, self.moments, 2 * e), V3::load(simd, self.moments, 2 * e + 1)]
     }
 }
 

@@ -1,6 +1,6 @@
 //! Inputs of one lane of a batch: conditions, states, laws, loads.
 
-use super::array::{self, at, set};
+use super::array::{self, at, put, set};
 use super::ends::EndKind;
 use super::scheme::Scheme;
 use super::simd_batch::SimdBatch;
@@ -11,6 +11,8 @@ use crate::{End, EndSupport, Impulses, Instant, Load, Restraint, Rod, RodState};
 use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
 use pulp::Simd;
 use rapunzel_fiber::so3;
+
+const ZERO: Vector3<f64> = Vector3::new(0.0, 0.0, 0.0);
 
 /// Inputs of a batch, one lane at a time.
 pub(super) trait BatchInputs {
@@ -128,36 +130,24 @@ impl<S: Simd> BatchInputs for SimdBatch<S> {
     }
 
     fn set_impulses(&mut self, lane: usize, impulses: Impulses) {
-        let held = self.held[lane];
         let Impulses { nodes, segments } = impulses;
         if !segments.is_empty() {
             array::fit::<S>(&mut self.moments, 3 * segments.len());
         }
-        let none = Vector3::zeros();
-        for e in 0..self.moments.len() / 3 {
-            let moment = segments.get(e).unwrap_or(&none);
-            for i in 0..3 {
-                set(&mut self.moments, 3 * e + i, lane, moment[i]);
-            }
-        }
-        let last = nodes.len() - 1;
-        for (a, impulse) in nodes.iter().enumerate() {
-            let kind = match a {
-                0 => held.root,
-                a if a == last => held.tip,
-                _ => EndKind::Loaded,
-            };
+        let none = std::iter::repeat(&ZERO).take(self.moments.len() / 3);
+        put(&mut self.moments, lane, segments.iter().chain(none.skip(segments.len())));
+        put(&mut self.impulses, lane, nodes);
+        // What holds an end takes up an impulse on it, or its part.
+        let (held, last) = (self.held[lane], nodes.len() - 1);
+        for (end, (a, kind)) in [(0, held.root), (last, held.tip)].into_iter().enumerate() {
             let absorbed = match (kind, &self.chain.supports) {
-                (EndKind::Held, _) => *impulse,
-                (EndKind::Supported, Some(both)) => both[usize::from(a > 0)].kept(lane, impulse),
-                _ => Vector3::zeros(),
+                (EndKind::Held, _) => nodes[a],
+                (EndKind::Supported, Some(both)) => both[end].kept(lane, &nodes[a]),
+                _ => ZERO,
             };
-            let impulse = impulse - absorbed;
             for i in 0..3 {
-                set(&mut self.impulses, 3 * a + i, lane, impulse[i]);
-                if a == 0 || a == last {
-                    set(&mut self.absorbed[usize::from(a == last)], i, lane, absorbed[i]);
-                }
+                set(&mut self.impulses, 3 * a + i, lane, nodes[a][i] - absorbed[i]);
+                set(&mut self.absorbed[end], i, lane, absorbed[i]);
             }
         }
     }

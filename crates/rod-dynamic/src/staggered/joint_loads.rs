@@ -6,10 +6,10 @@
 
 use super::array::{at, fit, get, set};
 use super::attempt::BatchAttempts;
-use super::readout::BatchReadout;
 use super::response::ImpulseColumns;
 use super::scheme::StepProblem;
 use super::simd_batch::SimdBatch;
+use super::velocities::BatchVelocities;
 use crate::{JointLoads, LoadPlace, LoadPoint};
 use nalgebra::{DMatrix, UnitQuaternion, Vector3};
 use pulp::bytemuck::Zeroable;

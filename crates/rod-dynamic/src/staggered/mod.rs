@@ -53,6 +53,7 @@ mod spin;
 mod stability;
 mod supported_ends;
 mod supports;
+mod velocities;
 mod workspace;
 
 pub use batch::StaggeredBatch;
@@ -62,3 +63,4 @@ pub use natural::{
 };
 pub use search::expected_error;
 pub use single::Staggered;
+pub use velocities::StepVelocity;

@@ -18,18 +18,11 @@ pub(super) trait BatchReadout {
     fn momentum(&self, lane: usize) -> Momentum;
     /// Position (m) and velocity (m/s) of a node, world frame.
     fn node(&self, lane: usize, node: usize) -> (Point3<f64>, Vector3<f64>);
-    /// Displacement of a node by the last attempt, m, world frame.
-    fn displacement(&self, lane: usize, node: usize) -> Vector3<f64>;
-    /// Displacement of a node in the step with the increments of the last linearisation, to first
-    /// order, m, world frame.
-    fn linear_displacement(&self, lane: usize, node: usize) -> Vector3<f64>;
     /// Whether root and tip of the lane are clamped.
     fn clamps(&self, lane: usize) -> [bool; 2];
     /// Directors d1 and d2 of a segment of the lane, where a step under way has been solved to,
     /// world frame.
     fn section(&self, lane: usize, segment: usize) -> [Vector3<f64>; 2];
-    /// Angular velocity of a segment at the start of the step, rad/s, world frame.
-    fn spin(&self, lane: usize, segment: usize) -> Vector3<f64>;
 }
 
 impl<S: Simd> BatchReadout for SimdBatch<S> {
@@ -114,27 +107,6 @@ impl<S: Simd> BatchReadout for SimdBatch<S> {
         (self.vector(&self.r, node, lane).into(), self.vector(&self.nodes.v, node, lane))
     }
 
-    fn displacement(&self, lane: usize, node: usize) -> Vector3<f64> {
-        self.vector(&self.chain.kept.r, node, lane) - self.vector(&self.r, node, lane)
-    }
-
-    fn linear_displacement(&self, lane: usize, node: usize) -> Vector3<f64> {
-        let (kept, n) = (&self.chain.kept, self.chain.n);
-        let force = |e: usize| self.vector(&kept.step, 2 * e, lane);
-        let mut sum = if node < n { force(node) } else { Vector3::zeros() };
-        if node > 0 {
-            sum -= force(node - 1);
-        }
-        let mut added = sum * at(&kept.w, node, lane);
-        if let (Some(both), true) = (&self.chain.supports, node == 0 || node == n) {
-            added += both[usize::from(node == n)].moved(lane, &sum);
-        }
-        if node == n {
-            added += self.vector(&kept.gap, 0, lane);
-        }
-        self.displacement(lane, node) + added
-    }
-
     fn clamps(&self, lane: usize) -> [bool; 2] {
         self.chain.ends.joined(lane)
     }
@@ -142,11 +114,6 @@ impl<S: Simd> BatchReadout for SimdBatch<S> {
     fn section(&self, lane: usize, segment: usize) -> [Vector3<f64>; 2] {
         let frame = self.rotation(segment, lane).to_rotation_matrix();
         [0, 1].map(|k| frame.matrix().column(k).into_owned())
-    }
-
-    fn spin(&self, lane: usize, segment: usize) -> Vector3<f64> {
-        let frame = quaternion(&self.before.q, segment, lane).to_rotation_matrix();
-        self.world_spin(segment, lane, &frame)
     }
 }
 

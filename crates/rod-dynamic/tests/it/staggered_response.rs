@@ -2,12 +2,12 @@
 
 use crate::common::{response_matrix, set_out_and_solve};
 use nalgebra::{
-    DMatrix, Isometry3, Matrix3, SymmetricEigen, Translation3, UnitQuaternion, Vector3,
+    DMatrix, Isometry3, Matrix3, Point3, SymmetricEigen, Translation3, UnitQuaternion, Vector3,
 };
 use rapunzel_fiber::{Fiber, Material, Section};
 use rapunzel_rod_dynamic::{
     Conditions, ImpulseResponse, Impulses, Instant, Point, PointResponses, Rod, RodStepReport,
-    StaggeredBatch, Steady,
+    StaggeredBatch, Steady, StepVelocity,
 };
 
 const SEGMENTS: usize = 40;
@@ -75,6 +75,12 @@ fn matrix_by(batch: &mut StaggeredBatch, weighted: bool) -> DMatrix<f64> {
     })
 }
 
+/// Reads velocities of all nodes, fibre by fibre.
+fn read(batch: &StaggeredBatch, which: StepVelocity, velocities: &mut [Vector3<f64>]) {
+    let mut own: Vec<_> = velocities.chunks_mut(NODES).collect();
+    batch.velocities(which, &mut own).expect("lengths");
+}
+
 #[test]
 fn response_is_symmetric_and_semidefinite() {
     for dt in [1.0 / 30.0, 1e-2, 1e-3, 1e-4] {
@@ -138,13 +144,49 @@ fn response_is_the_derivative_of_a_step() {
     }
 }
 
+/// Where a step starts from, and how fast, is the state before it; both kinds of coordinates.
+#[test]
+fn a_step_starts_from_the_state() {
+    let (falling, dt) = (falling(3, 1e-3).0, 1e-3);
+    let rods: Vec<Rod> = falling.rods().to_vec();
+    let spinning = StaggeredBatch::backward_euler(rods).expect("valid batch");
+    let (hold, mut reports) = (hold(), vec![RodStepReport::default(); 3]);
+    let conditions: Vec<&dyn Conditions> = vec![&hold; 3];
+    for mut batch in [falling, spinning] {
+        batch.abandon();
+        batch.step(dt, &conditions, &mut reports).expect("a step");
+        batch.step(dt, &conditions, &mut reports).expect("a step");
+        let states: Vec<_> = (0..3).map(|fiber| batch.state(fiber)).collect();
+        let none = vec![Vector3::zeros(); batch.nodes()];
+        batch.set_out(dt, &conditions, Impulses::on_nodes(&none), &mut reports).expect("sound");
+        let mut positions = vec![Point3::origin(); batch.nodes()];
+        batch.start_positions(&mut positions.chunks_mut(NODES).collect::<Vec<_>>()).expect("all");
+        let mut velocities = none;
+        read(&batch, StepVelocity::Start, &mut velocities);
+        let mut spins = vec![Vector3::zeros(); 3 * SEGMENTS];
+        let mut own: Vec<_> = spins.chunks_mut(SEGMENTS).collect();
+        batch.spins(StepVelocity::Start, &mut own).expect("lengths");
+        batch.spins(StepVelocity::Start, &mut own[..2]).expect_err("one for each fibre");
+        assert!(velocities.iter().any(|v| v.norm() > 1e-3) && spins.iter().any(|w| w.norm() > 0.1));
+        for (fiber, state) in states.iter().enumerate() {
+            assert_eq!(state.positions, positions[fiber * NODES..][..NODES]);
+            assert_eq!(state.velocities, velocities[fiber * NODES..][..NODES]);
+            for (e, spin) in spins[fiber * SEGMENTS..][..SEGMENTS].iter().enumerate() {
+                let expected = state.frames[e] * state.angular_velocities[e];
+                let error = (spin - expected).norm();
+                assert!(error <= 1e-13 * (1.0 + expected.norm()), "{spin} {expected}");
+            }
+        }
+    }
+}
+
 #[test]
 fn a_step_without_impulses_is_a_step() {
     let dt = 1e-3;
     let (mut batch, start) = falling(1, dt);
     let (hold, mut reports) = (hold(), [RodStepReport::default()]);
     let mut mean = vec![Vector3::zeros(); NODES];
-    batch.mean_velocities(&mut mean).expect("lengths");
+    batch.velocities(StepVelocity::Mean, &mut [&mut mean]).expect("lengths");
     batch.accept();
     let accepted = batch.state(0);
     batch.restore(&start).expect("own numbers");
@@ -279,8 +321,8 @@ fn iterations_taken_one_by_one_end_in_the_same_step() {
     batch.linearize().expect("regular");
     let mut velocities =
         [vec![Vector3::zeros(); batch.nodes()], vec![Vector3::zeros(); batch.nodes()]];
-    batch.mean_velocities(&mut velocities[0]).expect("lengths");
-    batch.linear_velocities(&mut velocities[1]).expect("lengths");
+    read(&batch, StepVelocity::Mean, &mut velocities[0]);
+    read(&batch, StepVelocity::Linear, &mut velocities[1]);
     for (now, then) in velocities[0].iter().zip(&velocities[1]) {
         assert!((now - then).norm() < 1e-10 * 0.3 / 1e-3, "{turns:?}");
     }
@@ -309,20 +351,20 @@ fn impulses_may_change_before_anything_moves() {
     batch.abandon();
     set_out_and_solve(&mut batch, 1e-3, &conditions, Impulses::on_nodes(&change))
         .expect("converges");
-    batch.mean_velocities(&mut velocities[3]).expect("lengths");
+    read(&batch, StepVelocity::Mean, &mut velocities[3]);
     batch.abandon();
     batch.press(Impulses::on_nodes(&none)).expect_err("no step is under way");
     batch.set_out(1e-3, &conditions, Impulses::on_nodes(&none), &mut reports).expect("sound");
     batch.linearize().expect("regular");
-    batch.linear_velocities(&mut velocities[0]).expect("lengths");
+    read(&batch, StepVelocity::Linear, &mut velocities[0]);
     batch.press(Impulses::on_nodes(&change)).expect("sound");
     batch.linearize().expect("regular");
-    batch.linear_velocities(&mut velocities[1]).expect("lengths");
+    read(&batch, StepVelocity::Linear, &mut velocities[1]);
     for _ in 0..6 {
         batch.linearize().expect("regular");
         batch.advance(Impulses::on_nodes(&change)).expect("regular");
     }
-    batch.mean_velocities(&mut velocities[2]).expect("lengths");
+    read(&batch, StepVelocity::Mean, &mut velocities[2]);
     let [without, with, found, expected] = &velocities;
     let farthest = |from: &[Vector3<f64>]| {
         from.iter().zip(expected).map(|(v, e)| (v - e).norm()).fold(0.0, f64::max)

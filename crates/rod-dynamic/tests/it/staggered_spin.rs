@@ -6,6 +6,7 @@ use proptest::prelude::*;
 use rapunzel_fiber::{Fiber, Material, Section};
 use rapunzel_rod_dynamic::{
     Conditions, Impulses, Instant, Rod, RodError, RodStepReport, StaggeredBatch, Steady,
+    StepVelocity,
 };
 
 const SEGMENTS: usize = 10;
@@ -150,7 +151,7 @@ proptest! {
         let all = Impulses { nodes: &nodes, segments: &moments };
         set_out_and_solve(&mut batch, DT, &conditions, all).expect("a step");
         let mut mean = [Vector3::zeros(); SEGMENTS];
-        batch.mean_spins(&mut mean).expect("lengths");
+        batch.spins(StepVelocity::Mean, &mut [&mut mean]).expect("lengths");
         batch.accept();
         let mut reports = [RodStepReport::default()];
         for _ in 0..20 {

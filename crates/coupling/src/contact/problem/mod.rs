@@ -20,6 +20,7 @@ use rapunzel_contact::{
     Body, Contact, ContactError, ContactSolver, ErrorMasses, FreeMasses, LimitCurve, Report,
     Solver, Tolerance,
 };
+use rapunzel_rod_dynamic::StepVelocity;
 use rayon::prelude::*;
 use sides::{ContactSide, each, rod_point, traces};
 use std::sync::{Mutex, PoisonError};
@@ -94,7 +95,7 @@ impl ContactProblem {
         let turning = system.fibers.turning_parts();
         points.par_iter_mut().for_each(|point| point.act_on_axis_outside(&turning));
         let refused = Mutex::new(None::<(usize, ContactError)>);
-        let start = system.fibers.velocities();
+        let start = system.fibers.velocities(StepVelocity::Start);
         let (first, mean) = (Velocities::before(system, &start), Velocities::new(system, mean));
         let nodes = mean.nodes();
         let law = |(i, point): (usize, &ContactPoint)| {
@@ -245,7 +246,7 @@ impl ContactProblem {
         solver: &mut ContactSolver,
         patient: bool,
     ) -> Result<Report, ContactError> {
-        let fibers = system.fibers.linear_velocities();
+        let fibers = system.fibers.velocities(StepVelocity::Linear);
         let linear = Velocities::new(system, &fibers);
         let near = self.look(system, &linear);
         let works = near

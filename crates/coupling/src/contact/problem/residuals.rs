@@ -9,6 +9,7 @@ use crate::contact_point::ContactPoint;
 use crate::contact_report::Unresolved;
 use nalgebra::Vector3;
 use rapunzel_contact::{Bond, Contact, ContactError, ErrorMasses, Report, Violation, report};
+use rapunzel_rod_dynamic::StepVelocity;
 use rayon::prelude::*;
 use std::ops::AddAssign;
 
@@ -40,7 +41,7 @@ impl ContactProblem {
     /// The contact that is farthest from the law in the substep that starts at `time`, s, where
     /// the rods are.
     pub(crate) fn worst(&self, system: &CoupledSystem, time: f64) -> Option<Unresolved> {
-        let mean = system.fibers.mean_velocities();
+        let mean = system.fibers.velocities(StepVelocity::Mean);
         let mean = Velocities::new(system, &mean);
         let wrong = |i: usize| {
             let (contact, velocity, impulse, ErrorMasses { own, moved }) = self.judged(i, &mean);

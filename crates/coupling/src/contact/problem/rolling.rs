@@ -15,6 +15,7 @@ use crate::contact::system::CoupledSystem;
 use crate::contact::velocities::Velocities;
 use crate::contact_point::{BodyRef, ContactPoint};
 use nalgebra::Vector3;
+use rapunzel_rod_dynamic::StepVelocity;
 
 /// How far from each other, in segments, contacts of a pair lean alike.
 const BESIDE: f64 = 2.0;
@@ -29,7 +30,7 @@ impl ContactProblem {
         step: TimeInterval,
         length: f64,
     ) {
-        let start = system.fibers.velocities();
+        let start = system.fibers.velocities(StepVelocity::Start);
         let (start, mean) = (Velocities::before(system, &start), Velocities::new(system, mean));
         let led: Vec<_> = system.objects.iter().map(|object| object.led_spin(step)).collect();
         let bearing: Vec<usize> =
