@@ -24,6 +24,7 @@ templates![
     "twisting-machine",
     "joined/twisted-ring",
     "joined/net",
+    "joined/braid",
     "contact/lock-on-ball",
     "contact/head",
     "contact/turned-head",
