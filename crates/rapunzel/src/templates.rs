@@ -25,6 +25,7 @@ templates![
     "joined/twisted-ring",
     "joined/net",
     "joined/braid",
+    "joined/mobile",
     "contact/lock-on-ball",
     "contact/head",
     "contact/turned-head",

@@ -9,7 +9,7 @@ use super::ends::Held;
 use super::inputs::BatchInputs;
 use super::joint_geometry::keep_directors;
 use super::response::Inertia;
-use super::scheme::{Stage, StepProblem};
+use super::scheme::StepProblem;
 use super::search::Search;
 use super::simd_batch::SimdBatch;
 use crate::Impulses;
@@ -75,7 +75,9 @@ impl<S: Simd> BatchCoupledStep for SimdBatch<S> {
             #[inline(always)]
             fn call(self) -> [f64; LANES] {
                 let pack = self.0;
-                pack.resume();
+                if !pack.holds {
+                    pack.resume();
+                }
                 let mut search = [Search::new(false, Held::CLAMPED, false); LANES];
                 // Of joined fibres each by itself may be at a saddle where all together are not.
                 let alone = pack.joint_forces.is_empty();
@@ -119,7 +121,7 @@ impl<S: Simd> BatchCoupledStep for SimdBatch<S> {
             }
             self.set_impulses(lane, own);
         }
-        self.take_increments()
+        self.take_with_response()
     }
 
     fn mean_spins(&self, linear: bool, spins: &mut [Vector3<f64>]) {
@@ -152,7 +154,9 @@ impl<S: Simd> BatchCoupledStep for SimdBatch<S> {
             type Output = ();
             #[inline(always)]
             fn call(self) {
-                self.0.resume();
+                if !self.0.holds {
+                    self.0.resume();
+                }
                 self.0.chain.shape();
                 self.0.chain.measure_joints();
             }
@@ -164,7 +168,7 @@ impl<S: Simd> BatchCoupledStep for SimdBatch<S> {
 impl<S: Simd> SimdBatch<S> {
     /// Takes the increments of the last linearisation together with those that the change of the
     /// impulses in the workspace causes. Returns the largest increment of each lane, rad.
-    fn take_increments(&mut self) -> [f64; LANES] {
+    fn take_with_response(&mut self) -> [f64; LANES] {
         struct Advance<'a, S: Simd>(&'a mut SimdBatch<S>);
         impl<S: Simd> NullaryFnOnce for Advance<'_, S> {
             type Output = [f64; LANES];
@@ -172,7 +176,10 @@ impl<S: Simd> SimdBatch<S> {
             fn call(self) -> [f64; LANES] {
                 let pack = self.0;
                 let stage = pack.stage(&pack.last_dt, pack.problem);
-                let turns = pack.take_response(&stage);
+                pack.recall_directors();
+                pack.solve_response(&stage, Inertia::Own, 0);
+                pack.add_solution();
+                let turns = pack.take_step();
                 pack.prepare(&stage);
                 pack.chain.shape();
                 turns
@@ -181,24 +188,20 @@ impl<S: Simd> SimdBatch<S> {
         self.chain.simd.vectorize(Advance(self))
     }
 
-    /// Solves for the response to the change of the impulses in the workspace, and takes it with
-    /// the increments of the last linearisation. Returns the largest increment of each lane, rad.
+    /// Adds the solution in the workspace to the increments of the last linearisation.
     #[inline(always)]
-    pub(super) fn take_response(&mut self, stage: &Stage<S>) -> [f64; LANES] {
-        self.recall_directors();
-        self.solve_response(stage, Inertia::Own, 0);
-        self.take_sum()
-    }
-
-    /// Takes the increments of the last linearisation with the response in the workspace. Returns
-    /// the largest increment of each lane, rad.
-    #[inline(always)]
-    fn take_sum(&mut self) -> [f64; LANES] {
+    pub(super) fn add_solution(&mut self) {
         for i in 0..2 * self.chain.n {
             let sum = self.chain.vec(&self.chain.kept.step, i)
                 + self.chain.vec(&self.chain.room.solution, i);
             store(&mut self.chain.kept.step, i, sum);
         }
+    }
+
+    /// Takes the increments of the last linearisation. Returns the largest increment of each lane,
+    /// rad.
+    #[inline(always)]
+    pub(super) fn take_step(&mut self) -> [f64; LANES] {
         let turn = self.chain.largest_turn();
         let (mut turns, mut scale) = ([0.0; LANES], [0.0; LANES]);
         for lane in 0..S::F64_LANES {

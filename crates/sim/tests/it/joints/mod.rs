@@ -5,6 +5,7 @@ mod braid;
 mod frames;
 mod rings;
 mod splices;
+mod touching;
 
 use crate::common::Run;
 
