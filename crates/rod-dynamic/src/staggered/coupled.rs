@@ -1,5 +1,4 @@
 //! Steps in Newton iterations, for a contact solver between them.
-
 use super::batch::StaggeredBatch;
 use super::response::Inertia;
 use super::scheme::StepProblem;

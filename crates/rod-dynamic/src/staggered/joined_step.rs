@@ -11,9 +11,9 @@ use rapunzel_lanes::LANES;
 impl StaggeredBatch {
     /// Starts a step of `dt` seconds with these loads of joints, at the predicted shape, without
     /// solving it: [`Self::linearize`], [`Self::change_loads`] and [`Self::take_increments`] do
-    /// that, one Newton iteration after another, until [`Self::accept`] or [`Self::abandon`]. Such a
-    /// step is not halved, since fibres that are joined must take the same step. The fibres must not
-    /// be [fresh](Self::is_fresh). The batch holds its workspace from now on.
+    /// that, one Newton iteration after another, until [`Self::accept`] or [`Self::abandon`]. Such
+    /// a step is not halved, since fibres that are joined must take the same step. The fibres must
+    /// not be [fresh](Self::is_fresh). The batch holds its workspace from now on.
     ///
     /// # Errors
     /// [`StepError`] for conditions and loads that make no sense; the fibres are then as before.

@@ -27,8 +27,8 @@ pub(super) trait BatchJointLoads {
     /// By fibre, the change of these ways by loads at its points, in the order of `points`: three
     /// rows and columns each, m or rad per N or N m, symmetric.
     fn load_responses(&mut self, points: &[LoadPoint]) -> Vec<DMatrix<f64>>;
-    /// Changes the loads by these, and the increments of the last linearisation with them. The batch
-    /// must hold its workspace.
+    /// Changes the loads by these, and the increments of the last linearisation with them. The
+    /// batch must hold its workspace.
     fn change_loads(&mut self, changes: JointLoads);
     /// Takes the increments of the last linearisation. Returns the largest increment of each lane,
     /// rad.
