@@ -7,7 +7,8 @@ use nalgebra::{Matrix3, Vector3};
 /// velocity as the law sees it, and the impulse `r` on the first point, `-r` on the second, obeys
 /// `0 <= r_n + adhesion`, `u_n >= 0`, one of them zero, and Coulomb's law of maximal dissipation:
 /// `r_t` lies in the limit curve scaled by `r_n + adhesion` and is, of all that do, the one that
-/// works most against `u_t`. Components 0, 1, 2 are normal, along `t1`, along `t2`.
+/// works most against `u_t`. Components 0, 1, 2 are normal, along `t1`, along `t2`. Of a joint,
+/// [`LimitCurve::Joint`], the impulse is any with which `u` is zero.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Contact {
     /// Index of the first point among the points of all bodies, in the order of the bodies.
@@ -33,6 +34,12 @@ pub struct Contact {
 const ORTHONORMAL: f64 = 1e-9;
 
 impl Contact {
+    /// Whether it is a joint.
+    #[must_use]
+    pub fn is_joint(&self) -> bool {
+        self.friction == LimitCurve::Joint
+    }
+
     /// Relative velocity, m/s, in the contact's frame and with the bias, where the points have the
     /// given velocities, world.
     #[must_use]

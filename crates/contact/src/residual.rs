@@ -4,6 +4,10 @@ use nalgebra::{Vector2, Vector3};
 use rayon::prelude::*;
 use std::borrow::Borrow;
 
+/// Joints that open more slowly than this, m/s, bear what they must: where that is nothing, what is
+/// left of it is rounding, to which no error compares.
+pub(crate) const JOINT_CLOSED: f64 = 1e-10;
+
 /// Contacts of a report that one task takes.
 const CHUNK: usize = 1024;
 
@@ -51,6 +55,9 @@ impl Violation {
         impulse: &Vector3<f64>,
         weight: f64,
     ) -> Self {
+        if contact.is_joint() {
+            return Self::of_joint(velocity, weight);
+        }
         if *impulse == Vector3::zeros() && contact.adhesion == 0.0 && velocity.x >= 0.0 {
             // What opens and bears nothing is right, as are most contacts of a long list.
             return Self::default();
@@ -65,6 +72,13 @@ impl Violation {
             normal: velocity.x.min(r.x / weight).abs(),
             slip: slip_error(contact, velocity, impulse, weight),
         }
+    }
+
+    /// Violation of a joint: all that opens it is a slip, and an error of the impulse if it is more
+    /// than [`JOINT_CLOSED`].
+    fn of_joint(velocity: &Vector3<f64>, weight: f64) -> Self {
+        let slip = velocity.norm();
+        Self { impulse: if slip > JOINT_CLOSED { slip * weight } else { 0.0 }, normal: 0.0, slip }
     }
 
     /// The part of a slip that the friction does not allow, m/s along the two tangents, with the

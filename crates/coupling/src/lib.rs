@@ -23,7 +23,9 @@ mod time_interval;
 
 pub use batch::{RodBatch, Rods};
 pub use conditions::{BundleConditions, FiberConditions};
-pub use contact::{ActiveContact, ContactWork, FibersInContact, Separation, separate};
+pub use contact::{
+    ActiveContact, BallJoint, ContactWork, FibersInContact, JointPartner, Separation, separate,
+};
 pub use contact_point::BodyRef;
 pub use contact_report::{ContactReport, Unresolved};
 pub use error::CouplingError;

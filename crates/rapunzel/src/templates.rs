@@ -24,6 +24,8 @@ templates![
     "twisting-machine",
     "joined/twisted-ring",
     "joined/net",
+    "joined/braid",
+    "joined/mobile",
     "contact/lock-on-ball",
     "contact/head",
     "contact/turned-head",

@@ -33,6 +33,19 @@ pub enum JointHold {
     Spliced,
 }
 
+/// A ball joint that holds a node where it is on an object at the start: what hangs on fibres, a
+/// bead at a tip. The segments beside it do not touch the object.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ObjectJoint {
+    /// Index of the fibre, counted over all bundles.
+    pub fiber: usize,
+    /// The node.
+    pub at: JointNode,
+    /// Index of the object among `objects`.
+    pub object: usize,
+}
+
 /// A node that is joined. It must be free to move: no root or tip that is held or led.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -68,10 +81,26 @@ impl JointNode {
 }
 
 impl Scene {
-    /// Whether fibres are joined to each other or closed.
+    /// Whether fibres are joined to each other or to objects, or closed.
     #[must_use]
     pub fn has_joints(&self) -> bool {
-        !self.joints.is_empty() || self.fibers.iter().any(|bundle| bundle.closed.is_some())
+        let listed = !self.joints.is_empty() || !self.object_joints.is_empty();
+        listed || self.fibers.iter().any(|bundle| bundle.closed.is_some())
+    }
+
+    /// Reports a place that cannot be joined.
+    fn check_joined(&self, check: &mut Check, field: &str, place: JointPlace) {
+        match self.bundle_of(place.fiber) {
+            Some(bundle) if bundle.groom.is_none() => check_place(check, field, bundle, place.at),
+            Some(_) => check.refuse(
+                &joined(field, "fiber"),
+                "is of a groom, whose hairs cannot be joined".into(),
+            ),
+            None => {
+                let message = format!("is {}, but there is no such fibre", place.fiber);
+                check.refuse(&joined(field, "fiber"), message);
+            }
+        }
     }
 
     /// Reports problems of joints.
@@ -86,7 +115,8 @@ impl Scene {
         };
         let alone =
             "cannot be given where fibres are joined or closed: leave it out, or the joints";
-        refuse(self.contact.is_some(), "contact", alone);
+        let objects = !self.object_joints.is_empty() && self.contact.is_none();
+        refuse(objects, "object_joints", "needs `contact`, by which objects move: give it, too");
         refuse(self.charging.is_some(), "charging", alone);
         refuse(self.mass_spring.is_some(), "mass_spring", alone);
         let method = "must be Staggered, BackwardEuler or left out, and without a tolerance where \
@@ -95,6 +125,11 @@ impl Scene {
         for (i, bundle) in self.fibers.iter().enumerate() {
             let Some(closing) = &bundle.closed else { continue };
             check.within(&format!("fibers[{i}]"), |c| {
+                if self.contact.is_some() {
+                    let message = "cannot be given with `contact`, where joints are balls: leave one of them \
+                                   out, or join tip and root in `joints` with `hold: Ball`";
+                    c.refuse("closed", message.into());
+                }
                 c.within("closed", |c| {
                     c.number("turns", closing.turns, Allowed::Finite, "");
                     for end in [JointNode::Root, JointNode::Tip] {
@@ -103,18 +138,23 @@ impl Scene {
                 });
             });
         }
+        check.each("object_joints", &self.object_joints, |c, joint| {
+            self.check_joined(c, "", JointPlace { fiber: joint.fiber, at: joint.at });
+            if joint.object >= self.objects.len() {
+                let message = format!("is {}, but there is no such object", joint.object);
+                c.refuse("object", message);
+            }
+        });
         check.each("joints", &self.joints, |c, joint| {
             for (field, place) in [("first", joint.first), ("second", joint.second)] {
-                match self.bundle_of(place.fiber) {
-                    Some(bundle) if bundle.groom.is_none() => {
-                        check_place(c, field, bundle, place.at);
-                    }
-                    Some(_) => c.refuse(field, "is of a groom, whose hairs cannot be joined".into()),
-                    None => {
-                        let message = format!("is {}, but there is no such fibre", place.fiber);
-                        c.refuse(&format!("{field}.fiber"), message);
-                    }
-                }
+                self.check_joined(c, field, place);
+            }
+            if self.contact.is_some() && joint.hold != JointHold::Ball {
+                let message = format!(
+                    "is {:?}, but with `contact` joints must be Ball; take that, or leave `contact` out",
+                    joint.hold
+                );
+                c.refuse("hold", message);
             }
             let ends = joint.first.at == JointNode::Tip && joint.second.at == JointNode::Root;
             if joint.hold == JointHold::Spliced && !ends {

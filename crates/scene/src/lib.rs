@@ -50,7 +50,7 @@ pub use freedom::{Freedom, SupportAxes};
 pub use grip::{Grip, GripPlace};
 pub use gripper::Gripper;
 pub use groom::{Groom, GroomShape, GroomSource, GroomUpAxis, RootBall};
-pub use joint::{FiberJoint, JointHold, JointNode, JointPlace};
+pub use joint::{FiberJoint, JointHold, JointNode, JointPlace, ObjectJoint};
 pub use load::{LoadFrame, Profile, TimedLoad};
 pub use mass_spring::{
     Hold, Integrator, MassSpring, Model, NodeContacts, NodeLoad, NodePlaces, SpringBodyShape,
@@ -109,9 +109,12 @@ pub struct Scene {
     /// A mass-spring system in place of fibres.
     #[serde(default)]
     pub mass_spring: Option<MassSpring>,
-    /// Joints between fibres, which then cannot have `contact`.
+    /// Joints between fibres; with `contact` they must be balls.
     #[serde(default)]
     pub joints: Vec<FiberJoint>,
+    /// Ball joints between fibres and objects, with `contact`.
+    #[serde(default)]
+    pub object_joints: Vec<ObjectJoint>,
     /// Hands that pull at nodes.
     #[serde(default)]
     pub grips: Vec<Grip>,

@@ -36,6 +36,8 @@ pub(super) struct ContactGroup {
     pub(super) circles: Option<ContactNumbers>,
     /// Adhesion, N s, and compliance, 1/kg, if any contact has some.
     pub(super) soft: Option<Box<[ContactNumbers; 2]>>,
+    /// Ones for contacts that are joints and zeros for others, if any is.
+    pub(super) joints: Option<Box<ContactNumbers>>,
 }
 
 impl ContactGroup {
@@ -54,6 +56,7 @@ impl ContactGroup {
             velocities: Default::default(),
             impulses: Default::default(),
             soft: None,
+            joints: None,
             responses: [1.0; LANES],
             weights: [1.0; LANES],
             heavier: None,
@@ -74,6 +77,9 @@ impl ContactGroup {
             if contact.adhesion != 0.0 || contact.compliance != 0.0 {
                 let [adhesion, compliance] = &mut **group.soft.get_or_insert_default();
                 (adhesion[lane], compliance[lane]) = (contact.adhesion, contact.compliance);
+            }
+            if contact.is_joint() {
+                group.joints.get_or_insert_default()[lane] = 1.0;
             }
             let (response, ErrorMasses { own, moved }) = own;
             (group.responses[lane], group.weights[lane]) = (response, own);

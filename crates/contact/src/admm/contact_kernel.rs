@@ -6,7 +6,7 @@ use super::anderson::AndersonUpdate;
 use super::contact_lanes::{ContactLanes, norm};
 use crate::VectorLanes;
 use crate::metric;
-use crate::residual::ResidualSums;
+use crate::residual::{JOINT_CLOSED, ResidualSums};
 use pulp::{Arch, Simd, WithSimd};
 use rapunzel_lanes::{LANES, Lane, V3};
 
@@ -72,13 +72,14 @@ fn prox<S: Simd>(simd: S, part: &mut AdmmPart, state: &AdmmState, keeps_velociti
     for register in 0..ContactLanes::<S>::registers(contacts.len()) {
         let lanes = ContactLanes::new(simd, &part.groups, contacts, register);
         let (response, adhesion) = (lanes.responses(), lanes.adhesion());
+        let least = lanes.least_normal();
         // The velocity without the contact's own impulse, from the state h.
         let velocity = lanes.relative_velocities(&state.h, &lanes.group.sides);
         let q = velocity - lanes.given_impulses().scale(response);
         // Signorini's law of the normal, then Coulomb's limit of the friction that would stop the
         // slip.
         let answer = (response + lanes.compliance()).recip();
-        let normal = (-q.0[0] * answer).max(-adhesion);
+        let normal = (-q.0[0] * answer).max(least);
         let [s, t] = lanes.project([-q.0[1] * answer, -q.0[2] * answer], normal + adhesion);
         let r = V3([normal, s, t]);
         store_impulses(&lanes, r, &mut part.impulses, state, part.contacts.start);
@@ -101,9 +102,10 @@ fn eval_splitting<S: Simd>(simd: S, part: &mut AdmmPart, state: &AdmmState) {
         let (zero, weight) = (lanes.splat(0.0), lanes.weights());
         let moved = weight * lanes.heavier();
         // Where nothing holds a contact, only what closes the gap is wrong.
-        let loose = -lanes.adhesion();
+        let loose = lanes.least_normal();
         let open = V3([v.0[0].min(zero), zero, zero]);
         let off = r.0[0].less_or_equal(loose).select(open, v - wanted);
+        let off = lanes.joint().map_or(off, |joint| joint.select(moving(off, off), off));
         let u = v + r.scale(lanes.compliance());
         sums.residual_squares = sums.residual_squares + squared(off) * (moved * moved);
         sums.impulse_squares = sums.impulse_squares + squared(r);
@@ -237,6 +239,14 @@ fn slip_error<S: Simd>(
     along.less_or_equal(zero).select(zero, along / norm([u.0[1], u.0[2]])) / weight
 }
 
+/// Something of joints where these velocities, m/s, are more than what is let be.
+#[inline(always)]
+fn moving<S: Simd>(u: V3<S>, of: V3<S>) -> V3<S> {
+    let square = squared(u);
+    let still = square.less_or_equal(square.lift(JOINT_CLOSED * JOINT_CLOSED));
+    still.select(V3([square.lift(0.0); 3]), of)
+}
+
 /// Squares of the norms of vectors: sums of rounded squares, as each contact alone has them.
 #[inline(always)]
 fn squared<S: Simd>(V3([x, y, z]): V3<S>) -> Lane<S> {
@@ -269,12 +279,18 @@ impl<S: Simd> LaneSums<S> {
         let saxce = V3([n + lanes.dissipation([s, t]), s, t]);
         // The natural map of the law, with de Saxcé's term along the normal.
         let projected = lanes.project_cone(r - saxce.scale(weight));
-        let normal_error = n.min(r.0[0] / weight).abs();
-        let error = (r - projected).scale(lanes.heavier());
+        let mut normal_error = n.min(r.0[0] / weight).abs();
+        let mut slip_error = slip_error(lanes, u, impulse, weight);
+        let mut error = (r - projected).scale(lanes.heavier());
+        if let Some(joint) = lanes.joint() {
+            error = joint.select(moving(u, error), error);
+            normal_error = joint.select(lanes.splat(0.0), normal_error);
+            slip_error = joint.select(squared(u).sqrt(), slip_error);
+        }
         self.residual_squares = self.residual_squares + squared(error);
         self.impulse_squares = self.impulse_squares + squared(r);
         self.normal_error = self.normal_error.max(normal_error);
-        self.slip_error = self.slip_error.max(slip_error(lanes, u, impulse, weight));
+        self.slip_error = self.slip_error.max(slip_error);
     }
 
     /// Sums and largest values over all lanes.

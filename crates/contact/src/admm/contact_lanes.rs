@@ -8,7 +8,7 @@ use super::shared_vectors::SharedVectors;
 use crate::{Contact, VectorLanes};
 use nalgebra::Vector3;
 use pulp::Simd;
-use rapunzel_lanes::{LANES, Lane, V3};
+use rapunzel_lanes::{LANES, Lane, Mask, V3};
 use std::array::from_fn;
 use std::ops::Range;
 
@@ -71,6 +71,19 @@ impl<'a, S: Simd> ContactLanes<'a, S> {
     #[inline(always)]
     pub(super) fn adhesion(&self) -> Lane<S> {
         self.group.soft.as_ref().map_or(self.splat(0.0), |soft| self.lane(&soft[0]))
+    }
+
+    /// Which contacts are joints, if any of the group is.
+    #[inline(always)]
+    pub(super) fn joint(&self) -> Option<Mask<S, f64>> {
+        self.group.joints.as_ref().map(|joints| self.lane(joints).positive())
+    }
+
+    /// Least impulses along the normals that the contacts can bear, N s.
+    #[inline(always)]
+    pub(super) fn least_normal(&self) -> Lane<S> {
+        let least = -self.adhesion();
+        self.joint().map_or(least, |joint| joint.select(self.splat(f64::MIN), least))
     }
 
     /// Compliances, 1/kg.

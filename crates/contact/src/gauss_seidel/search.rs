@@ -2,7 +2,7 @@ use super::delassus::{Delassus, PatchPoint};
 use super::queue::ContactQueue;
 use super::settings::GaussSeidel;
 use crate::local::LocalProblem;
-use crate::residual::{report, slips};
+use crate::residual::{JOINT_CLOSED, report, slips};
 use crate::{Contact, Report, Tolerance, Violation};
 use nalgebra::Vector3;
 use pulp::{Arch, NullaryFnOnce};
@@ -183,6 +183,9 @@ impl<'a> ImpulseSearch<'a> {
         let Tolerance { residual, normal, slip, .. } = self.solver.tolerance;
         let ContactSite { contact, impulse, weight, .. } = site;
         let (velocity, load) = (self.velocity(site), impulse.x + contact.adhesion);
+        if contact.is_joint() {
+            return velocity.norm() > (pass.part() * slip).max(JOINT_CLOSED);
+        }
         if load <= 0.0 && velocity.x >= 0.0 {
             return false;
         }
@@ -244,7 +247,7 @@ fn relaxed(
     old: &Vector3<f64>,
     exact: &Vector3<f64>,
 ) -> Vector3<f64> {
-    if relaxation == 1.0 {
+    if relaxation == 1.0 || contact.is_joint() {
         return *exact;
     }
     let relaxed = old + (exact - old) * relaxation;

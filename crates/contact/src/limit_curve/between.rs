@@ -48,6 +48,9 @@ impl LimitCurve {
                 why: "it must be finite",
             });
         }
+        if [first, second].contains(&&Self::Joint) {
+            return Ok(Self::Joint);
+        }
         if let (Self::Circle { mu: a }, Self::Circle { mu: b }) = (first, second) {
             return Ok(Self::Circle { mu: merged(*a, *b) });
         }

@@ -6,12 +6,16 @@ impl LimitCurve {
     /// Impulse nearest to `q`, N s, whose friction is within its limit: the projection onto the
     /// cone over the curve.
     ///
-    /// Closed form for a circle, three to five steps of a monotone Newton iteration for ellipses,
-    /// a bracketed root with some ten calls of [`Self::project`] for a polygon.
+    /// Closed form for a circle, three to five steps of a monotone Newton iteration for ellipses, a
+    /// bracketed root with some ten calls of [`Self::project`] for a polygon. Of a joint it is all
+    /// there is.
     #[must_use]
     pub fn project_cone(&self, q: &Vector3<f64>) -> Vector3<f64> {
         if let Self::Circle { mu } = self {
             return circular(q, *mu);
+        }
+        if *self == Self::Joint {
+            return *q;
         }
         let (normal, tangential) = (q.x, q.yz());
         // What is in the polar cone goes to the tip.

@@ -36,6 +36,9 @@ pub enum LimitCurve {
     },
     /// A convex polygon, thesis (8.48).
     Polygon(Polygon),
+    /// No limit: a contact with it is a joint that holds two points together in all directions,
+    /// along the normal too.
+    Joint,
 }
 
 impl LimitCurve {
@@ -58,7 +61,7 @@ impl LimitCurve {
             Self::Circle { mu } => std::slice::from_ref(mu),
             Self::Ellipse { mu } => mu,
             Self::Quarters { mu } => mu,
-            Self::Polygon(_) => &[],
+            Self::Polygon(_) | Self::Joint => &[],
         };
         match mu.iter().find(|mu| !(mu.is_finite() && **mu >= 0.0)) {
             Some(&value) => Err(ContactError::Invalid {
@@ -74,7 +77,7 @@ impl LimitCurve {
     #[must_use]
     pub fn reflected(&self) -> Self {
         match self {
-            Self::Circle { .. } | Self::Ellipse { .. } => self.clone(),
+            Self::Circle { .. } | Self::Ellipse { .. } | Self::Joint => self.clone(),
             Self::Quarters { mu: [a, b, c, d] } => Self::Quarters { mu: [*b, *a, *d, *c] },
             Self::Polygon(polygon) => Self::Polygon(polygon.reflected()),
         }
@@ -87,7 +90,7 @@ impl LimitCurve {
     #[must_use]
     #[inline(always)]
     pub fn project(&self, p: &Vector2<f64>, scale: f64) -> Vector2<f64> {
-        if scale <= 0.0 {
+        if scale <= 0.0 && *self != Self::Joint {
             return Vector2::zeros();
         }
         match self {
@@ -103,8 +106,10 @@ impl LimitCurve {
     /// Projection onto a curve that is no circle.
     #[inline(never)]
     fn search_nearest(&self, p: &Vector2<f64>, scale: f64) -> Vector2<f64> {
-        if let Self::Polygon(polygon) = self {
-            return polygon.project(p, scale);
+        match self {
+            Self::Polygon(polygon) => return polygon.project(p, scale),
+            Self::Joint => return *p,
+            _ => {}
         }
         let semi = quarter(&self.semi_axes().unwrap_or_default(), p);
         ellipse::project(p, semi.map(|semi| semi * scale))
@@ -114,7 +119,7 @@ impl LimitCurve {
     /// the curve with outward normal `-slip` (erratum to (8.55)).
     ///
     /// Where a whole edge of a polygon dissipates the same it is the vertex that comes first in the
-    /// polygon's order. Without slip it is zero.
+    /// polygon's order. Without slip, and for a joint, it is zero.
     #[must_use]
     pub fn friction(&self, slip: &Vector2<f64>) -> Vector2<f64> {
         match self {
@@ -125,6 +130,7 @@ impl LimitCurve {
             Self::Ellipse { mu } => ellipse::support(&-slip, *mu),
             Self::Quarters { mu } => ellipse::support(&-slip, quarter(mu, &-slip)),
             Self::Polygon(polygon) => polygon.support(&-slip),
+            Self::Joint => Vector2::zeros(),
         }
     }
 
@@ -146,6 +152,7 @@ impl LimitCurve {
             Self::Ellipse { mu } => ellipse::gauge(p, *mu),
             Self::Quarters { mu } => ellipse::gauge(p, quarter(mu, p)),
             Self::Polygon(polygon) => polygon.gauge(p),
+            Self::Joint => 0.0,
         }
     }
 
@@ -168,7 +175,7 @@ impl LimitCurve {
             Self::Circle { mu } => Some([*mu; 4]),
             Self::Ellipse { mu: [a, b] } => Some([*a, *a, *b, *b]),
             Self::Quarters { mu } => Some(*mu),
-            Self::Polygon(_) => None,
+            Self::Polygon(_) | Self::Joint => None,
         }
     }
 }

@@ -76,7 +76,8 @@ impl LocalProblem {
         let tip = Vector3::new(contact.adhesion, 0.0, 0.0);
         let free = free - bare * tip;
         // Take-off: nothing closes the gap.
-        if free.x >= 0.0 {
+        let joint = contact.is_joint();
+        if free.x >= 0.0 && !joint {
             return -tip;
         }
         // Stick: the impulse that stops all motion, if the friction bears it.
@@ -87,7 +88,7 @@ impl LocalProblem {
                 sticking += factors.stick(&(bare * sticking + free));
             }
         }
-        if sticking.x >= 0.0 && contact.friction.contains(&sticking.yz(), sticking.x) {
+        if joint || sticking.x >= 0.0 && contact.friction.contains(&sticking.yz(), sticking.x) {
             return sticking - tip;
         }
         // Slip: friction at its limit.

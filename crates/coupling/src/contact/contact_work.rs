@@ -10,7 +10,8 @@ pub struct ContactWork {
     /// Work of what stops those that come together, J, as far as the gap lets them: not positive
     /// but for the solver's tolerance.
     pub closing: f64,
-    /// Work, J, of what drives apart those that were in each other when the step began.
+    /// Work, J, of what drives apart those that were in each other when the step began, and of
+    /// joints that close.
     pub repair: f64,
     /// Work, J, of what lets those that meet rebound.
     pub restitution: f64,

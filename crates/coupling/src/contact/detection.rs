@@ -1,5 +1,6 @@
 //! Who touches whom at the end of a step, and whom they would have passed through.
 
+use super::ball_joints::BallJoints;
 use super::fiber_contacts::{fiber_number, fiber_rank, fibers, put_together, same_fibers};
 use super::pair_lists::{DETECTION_CHUNK, by_fibers, of_overlapping, sort};
 use super::sections::OrientedSections;
@@ -36,6 +37,8 @@ pub(crate) struct ContactDetector {
     /// Fibres that grow out of objects, by their numbers, in order: their first segments do not
     /// touch these.
     rooted: Vec<[u32; 2]>,
+    /// What is beside these does not touch.
+    pub(super) joints: BallJoints,
 }
 
 /// What fibres and objects are in each other at the end of a motion.
@@ -76,7 +79,8 @@ impl ContactDetector {
     pub(crate) fn new(margin: f64, more: f64, holds: bool) -> Result<Self, CollisionError> {
         // Of what is farther, a list knows what was near when it was made: chance would decide.
         let candidates = Candidates::new(margin + more, RESERVE * margin)?;
-        Ok(Self { margin, more, holds, candidates, rooted: Vec::new() })
+        let joints = BallJoints::default();
+        Ok(Self { margin, more, holds, candidates, rooted: Vec::new(), joints })
     }
 
     /// Lets fibres grow out of kinematic objects from now on: those whose root at the start of the
@@ -151,7 +155,10 @@ impl ContactDetector {
         points: &mut Vec<ContactPoint>,
     ) -> Result<bool, CollisionError> {
         let [start, end] = motion.capsules()?;
-        let pairs = self.candidates.on_the_way(&start, &end)?;
+        let mut pairs = self.candidates.on_the_way(&start, &end)?;
+        if !self.joints.is_empty() {
+            pairs.retain(|(pair, _)| !self.joints.parts(pair));
+        }
         let inner = motion.sections.inner();
         let (near, fast) = sort(&start, &end, &pairs, margin, (self.holds, inner));
         // They are many more than what follows is of.
@@ -167,6 +174,7 @@ impl ContactDetector {
         let through = fast.iter().any(|contact| leads_through(&start, &end, contact, inner));
         add(&end, fast, &mut contacts);
         let mut others = of_objects(motion, objects, &self.rooted, held, margin);
+        others.retain(|point| !self.joints.parts_point(point));
         others.sort_unstable_by_key(ContactPoint::rank);
         others.dedup_by(|b, a| a.rank().same(&b.rank()));
         put_together(&end, &contacts, &others, points);

@@ -1,3 +1,4 @@
+use super::ball_joints::BallJoint;
 use super::contact_work::ContactWork;
 use super::stepper::ContactStepper;
 use super::system::CoupledSystem;
@@ -17,17 +18,23 @@ pub struct FibersInContact {
 }
 
 impl FibersInContact {
-    /// Fibres that are to touch each other and the objects around them.
+    /// Fibres that are to touch each other and the objects around them, with ball joints.
     ///
     /// # Errors
-    /// [`CouplingError::Overlap`] for what starts too deep in each other, and errors of detection
-    /// and of settings.
+    /// [`CouplingError::Overlap`] for what starts too deep in each other,
+    /// [`CouplingError::JointOpen`] for joints that start open, and errors of detection and of
+    /// settings.
+    ///
+    /// # Panics
+    /// If a joint is of a node or an object that is not there, as indexing does.
     pub fn new(
         settings: ContactSettings,
         mut fibers: Fibers<StaggeredBatch>,
         around: &mut Surroundings,
+        joints: &[BallJoint],
     ) -> Result<Self, CouplingError> {
-        let stepper = ContactStepper::new(settings, &CoupledSystem::new(&mut fibers, around))?;
+        let system = CoupledSystem::new(&mut fibers, around);
+        let stepper = ContactStepper::new(settings, &system, joints)?;
         Ok(Self { fibers, stepper })
     }
 
@@ -135,7 +142,9 @@ impl FibersInContact {
         let wrong = RodError::Length { what: "saved lists", expected, found: saved.len() };
         let (fibers, contacts) = saved.split_at_checked(expected).ok_or(wrong.clone())?;
         self.fibers.restore(fibers)?;
+        let joints = self.stepper.memory.joints.len();
         self.stepper.memory = WarmStart::restored(contacts).ok_or(wrong)?;
+        self.stepper.memory.joints.resize(joints, Vector3::zeros());
         Ok(())
     }
 }

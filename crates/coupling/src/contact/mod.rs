@@ -38,6 +38,7 @@
 //! touched on its axis: it would turn many times in a step, which directors do not follow.
 
 mod adhesive_film;
+mod ball_joints;
 mod contact_work;
 mod delassus;
 mod detection;
@@ -63,6 +64,7 @@ mod tunnelling;
 mod velocities;
 mod warm_start;
 
+pub use ball_joints::{BallJoint, JointPartner};
 pub use contact_work::ContactWork;
 pub use in_contact::FibersInContact;
 pub use separation::{Separation, separate};

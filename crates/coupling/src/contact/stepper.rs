@@ -1,4 +1,5 @@
 use super::adhesive_film::AdhesiveFilm;
+use super::ball_joints::{BallJoint, BallJoints};
 use super::detection::{ContactDetector, Overlaps};
 use super::forcing_term::ForcingTerm;
 use super::initial_overlaps;
@@ -70,6 +71,7 @@ impl ContactStepper {
     pub(super) fn new(
         settings: ContactSettings,
         system: &CoupledSystem,
+        joints: &[BallJoint],
     ) -> Result<Self, CouplingError> {
         let assembly = system.fibers.assembly();
         let shapes = SectionShapes::new(assembly);
@@ -81,8 +83,9 @@ impl ContactStepper {
         let bonds = settings.adhesion.and_then(Adhesion::bonds);
         let of_film = || film.as_ref().map_or(0.0, AdhesiveFilm::reach);
         let range = bonds.map_or_else(of_film, |bonds| bonds.range);
-        let detector =
+        let mut detector =
             ContactDetector::new(MARGIN * largest + range, WIDE * largest, film.is_some())?;
+        detector.joints = BallJoints::new(joints, system)?;
         let solver = match settings.solver {
             ContactMethod::Splitting => ContactSolver::Splitting(Admm::new(Tolerance::EXACT)),
             ContactMethod::Polished => ContactSolver::Polished(Polished::new(Tolerance::EXACT)),
@@ -98,7 +101,10 @@ impl ContactStepper {
             points: Vec::new(),
             room: ProblemWorkspace::default(),
             times: ContactTimes::default(),
-            memory: WarmStart::default(),
+            memory: WarmStart {
+                joints: vec![Vector3::zeros(); joints.len()],
+                ..WarmStart::default()
+            },
             stopwatch: None,
         };
         let depth = stepper.depth();
@@ -181,8 +187,10 @@ impl ContactStepper {
         let first = self.memory.dt.is_none();
         let bearing = std::mem::take(&mut self.memory.bearing);
         let mut known = if first { self.bonds.clone() } else { bearing };
+        let joints = self.memory.joints.clone();
         let solved = loop {
             let expected = ExpectedImpulses { known: &known, scale };
+            self.memory.joints.iter_mut().zip(&joints).for_each(|(now, own)| *now = scale * own);
             match self.solve(system, &mut part, &expected, last) {
                 // Each time fewer fly.
                 Err(SubstepFailure::Landed) => system.abandon(),
@@ -192,11 +200,12 @@ impl ContactStepper {
         match &solved {
             Ok(()) => {
                 system.accept(time, dt);
-                system.take_off(&self.points);
+                system.take_off(&self.points, &self.detector.joints);
                 cache_impulses(&self.points, &mut known);
             }
             Err(_) => {
                 system.abandon();
+                self.memory.joints = joints;
                 if first {
                     known.clear();
                 }
@@ -222,13 +231,15 @@ impl ContactStepper {
     ) -> Result<(), SubstepFailure> {
         let (time, dt) = (part.time, part.dt);
         let mut laps = PhaseTimer::start(self.stopwatch);
-        system.push(expected.pushes(), time, dt)?;
-        system.fibers.with_impulses(&part.all(), expected.pushes(), |group, own| {
-            group.set_out(time, dt, own)
-        })?;
+        let joints = self.detector.joints.pushes(system, &self.memory.joints);
+        let pushes = || expected.pushes().chain(joints.iter().copied());
+        system.push(pushes(), time, dt)?;
+        system
+            .fibers
+            .with_impulses(&part.all(), pushes(), |group, own| group.set_out(time, dt, own))?;
         laps.lap(&mut self.times.rods);
         let points = self.list(system, part, expected)?;
-        if system.land(&points) {
+        if system.land(&points, &self.detector.joints) {
             return Err(SubstepFailure::Landed);
         }
         let mean = system.fibers.velocities(StepVelocity::Mean);
@@ -243,7 +254,7 @@ impl ContactStepper {
         let mut through = false;
         for list in 0..MOST_LISTS {
             let solved = self.converge(system, part, &mut case, list, effort, last)?;
-            case.give_impulses();
+            self.memory.joints = case.give_impulses();
             let found = self.look_at_end(system, part, case.points())?;
             through = found.through;
             let mut laps = PhaseTimer::start(self.stopwatch);
@@ -278,7 +289,7 @@ impl ContactStepper {
                 (self.points, self.room) = case.into_parts();
                 return Ok(());
             }
-            if system.land(&found.points) {
+            if system.land(&found.points, &self.detector.joints) {
                 return Err(SubstepFailure::Landed);
             }
             case.set_gaps(system, &mean, dt);
@@ -326,7 +337,10 @@ impl ContactStepper {
             ContactLaws::new(&self.settings, self.film.as_ref(), system.objects, gravity, part.dt);
         let gives = self.settings.compliance > 0.0;
         let before = if gives { cached_impulses(expected, &points) } else { Vec::new() };
-        let case = ContactProblem::new(system, points, mean, part.dt, &laws, before, room)?;
+        let step = TimeInterval { start: part.time, length: part.dt };
+        let joints = self.detector.joints.points(system, step, mean, &self.memory.joints);
+        let case =
+            ContactProblem::new(system, (points, joints), mean, part.dt, &laws, before, room)?;
         laps.lap(&mut self.times.laws);
         system.push(case.pushes(), part.time, part.dt)?;
         system.fibers.with_impulses(&part.all(), case.pushes(), |group, own| group.press(own))?;

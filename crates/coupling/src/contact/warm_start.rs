@@ -12,6 +12,8 @@ use rayon::prelude::*;
 pub(crate) struct WarmStart {
     /// Contacts that bore something or are bonded, by pair and place.
     pub(crate) bearing: Vec<CachedImpulse>,
+    /// Impulses of joints in the part, N s, world.
+    pub(crate) joints: Vec<Vector3<f64>>,
     /// Length of the part, s; `None` before the first.
     pub(crate) dt: Option<f64>,
     /// Work of contacts since the start.
@@ -112,7 +114,11 @@ impl WarmStart {
     pub(crate) fn save(&self) -> impl ExactSizeIterator<Item = Vec<f64>> {
         let (work, lists) = (self.work.numbers(), self.bearing.len().div_ceil(LISTED));
         (0..lists + 1).map(move |list| match list.checked_sub(1) {
-            None => work.into_iter().chain(self.dt).collect(),
+            None => {
+                // Before the first part joints bear nothing.
+                let joints = self.joints.iter().flatten().copied().filter(|_| self.dt.is_some());
+                work.into_iter().chain(self.dt).chain(joints).collect()
+            }
             Some(list) => {
                 let end = self.bearing.len().min((list + 1) * LISTED);
                 let own = &self.bearing[list * LISTED..end];
@@ -124,7 +130,13 @@ impl WarmStart {
     /// The memory of saved numbers; `None` if these are no memory.
     pub(crate) fn restored(saved: &[Vec<f64>]) -> Option<Self> {
         let (whole, lists) = saved.split_first()?;
-        let (work, dt) = whole.split_first_chunk()?;
+        let (work, rest) = whole.split_first_chunk()?;
+        let (dt, joints) = rest.split_at(rest.len().min(1));
+        let (joints, rest) = joints.as_chunks::<3>();
+        if !rest.is_empty() {
+            return None;
+        }
+        let joints = joints.iter().map(|&impulse| impulse.into()).collect();
         let mut bearing = Vec::new();
         for list in lists {
             let (contacts, rest) = list.as_chunks::<CACHED_NUMBERS>();
@@ -134,7 +146,7 @@ impl WarmStart {
             }
         }
         let (work, report) = (ContactWork::from_numbers(work), ContactReport::default());
-        Some(Self { bearing, dt: dt.first().copied(), work, report })
+        Some(Self { bearing, joints, dt: dt.first().copied(), work, report })
     }
 }
 

@@ -1,10 +1,9 @@
 //! The parts of a step of fibres that are joined.
 
-use super::network::GroupMotion;
 use crate::FiberGroup;
-use nalgebra::Vector3;
+use nalgebra::{DMatrix, Vector3};
 use rapunzel_rod_dynamic::{
-    Conditions, JointLoads, LoadPoint, RodError, RodStepReport, StaggeredBatch, StepError,
+    Conditions, JointLoads, LoadPoint, RodStepReport, StaggeredBatch, StepError,
 };
 
 /// What a step is solved for.
@@ -37,35 +36,57 @@ impl FiberGroup<StaggeredBatch> {
         done.map_err(|error| error.renumbered(|lane| self.fibers[lane]))
     }
 
-    /// Solves Newton's equations of the step, and tells where that leads the points, and, if asked
-    /// for `responses`, how loads on them change it: else those of `motion` stay.
+    /// Solves Newton's equations of the step, and tells where that leads the points. Returns the
+    /// largest increment, rad.
     pub(super) fn linearize_joined(
         &mut self,
         time: f64,
         points: &[LoadPoint],
-        responses: bool,
-        motion: &mut GroupMotion,
-    ) -> Result<(), StepError> {
-        self.linearize()?;
-        let mut tell = || -> Result<(), RodError> {
-            motion.ways.resize(points.len(), Vector3::zeros());
-            self.batch.linear_ways(points, &mut motion.ways)?;
-            if responses {
-                motion.responses = self.batch.load_responses(points)?;
-            }
-            Ok(())
-        };
-        tell().map_err(|_| StepError::Conditions {
-            fiber: self.fibers[0],
-            what: "joints",
-            time,
-            why: "each must be between nodes of the fibres",
-        })
+        ways: &mut [Vector3<f64>],
+    ) -> Result<f64, StepError> {
+        let turn = self.linearize()?;
+        self.tell_ways(time, points, ways)?;
+        Ok(turn)
     }
 
-    /// Takes the increments, with other loads of joints.
-    pub(super) fn advance_joined(&mut self, loads: JointLoads) -> Result<f64, StepError> {
-        self.batch.advance_loaded(loads).map_err(|error| error.renumbered(|lane| self.fibers[lane]))
+    /// Changes the loads of joints, and tells where that leads the points.
+    pub(super) fn change_joined(
+        &mut self,
+        time: f64,
+        changes: JointLoads,
+        ways: &mut [Vector3<f64>],
+    ) -> Result<(), StepError> {
+        let done = self.batch.change_loads(changes);
+        done.map_err(|error| error.renumbered(|lane| self.fibers[lane]))?;
+        self.tell_ways(time, changes.points, ways)
+    }
+
+    /// By lane, the change of the ways of its points by loads on them.
+    pub(super) fn responses(
+        &mut self,
+        time: f64,
+        points: &[LoadPoint],
+    ) -> Result<Vec<DMatrix<f64>>, StepError> {
+        self.batch.load_responses(points).map_err(|_| self.off_fibers(time))
+    }
+
+    fn tell_ways(
+        &self,
+        time: f64,
+        points: &[LoadPoint],
+        ways: &mut [Vector3<f64>],
+    ) -> Result<(), StepError> {
+        self.batch.linear_ways(points, ways).map_err(|_| self.off_fibers(time))
+    }
+
+    fn off_fibers(&self, time: f64) -> StepError {
+        let (fiber, why) = (self.fibers[0], "each must be between nodes of the fibres");
+        StepError::Conditions { fiber, what: "joints", time, why }
+    }
+
+    /// Takes the increments. Returns the largest, rad.
+    pub(super) fn take_joined(&mut self) -> Result<f64, StepError> {
+        self.batch.take_increments().map_err(|error| error.renumbered(|lane| self.fibers[lane]))
     }
 
     /// Makes what has been solved the state.

@@ -1,3 +1,4 @@
+use super::matrix::{JointMatrix, MatrixTerms};
 use super::network::Network;
 use super::node_joint::NodeJoint;
 use crate::{CouplingError, Fibers, StepReport, Surroundings};
@@ -11,6 +12,8 @@ pub struct JoinedFibers {
     /// Loads of the joints at the end of the last step, by group, N and N m: where the next step
     /// starts from.
     pub(super) loads: Vec<Vec<Vector3<f64>>>,
+    /// The matrix of the joints that the last step was solved with, for the next one.
+    pub(super) matrix: Option<JointMatrix>,
 }
 
 impl JoinedFibers {
@@ -28,7 +31,7 @@ impl JoinedFibers {
     ) -> Result<Self, CouplingError> {
         let network = Network::new(joints, &fibers)?;
         let loads = network.groups.iter().map(|group| vec![Vector3::zeros(); group.points.len()]);
-        Ok(Self { loads: loads.collect(), fibers, network })
+        Ok(Self { loads: loads.collect(), fibers, network, matrix: None })
     }
 
     /// The fibres.
@@ -75,8 +78,9 @@ impl JoinedFibers {
 
     /// All numbers that change: lists that are made one at a time.
     pub fn save(&self) -> impl Iterator<Item = Vec<f64>> {
-        let loads = self.loads.iter().flatten().flatten().copied().collect();
-        self.fibers.save().chain(std::iter::once(loads))
+        let loads = self.loads.iter().flatten().flatten().copied();
+        let matrix = MatrixTerms::numbers(&self.network, self.matrix.as_ref());
+        self.fibers.save().chain(std::iter::once(loads.chain(matrix).collect()))
     }
 
     /// Goes back to saved numbers.
@@ -84,14 +88,20 @@ impl JoinedFibers {
     /// # Errors
     /// [`CouplingError::Restore`] if they are those of other fibres.
     pub fn restore(&mut self, saved: &[Vec<f64>]) -> Result<(), CouplingError> {
-        let numbers = || self.loads.iter().flatten().flatten().count();
-        let Some((loads, fibers)) = saved.split_last().filter(|(own, _)| own.len() == numbers())
+        let loads = self.loads.iter().flatten().flatten().count();
+        let numbers = loads + MatrixTerms::numbers(&self.network, None).len();
+        let Some((joints, fibers)) = saved.split_last().filter(|(own, _)| own.len() == numbers)
         else {
             let found = saved.last().map_or(0, Vec::len);
             let what = "loads of joints";
-            return Err(RodError::Length { what, expected: numbers(), found }.into());
+            return Err(RodError::Length { what, expected: numbers, found }.into());
         };
+        let (loads, terms) = joints.split_at(loads);
+        // It had an inverse when it was saved.
+        let terms = MatrixTerms::of_numbers(&self.network, terms);
+        let matrix = terms.and_then(|terms| JointMatrix::new(&self.network, terms).ok());
         self.fibers.restore(fibers)?;
+        self.matrix = matrix;
         let own = self.loads.iter_mut().flatten().flatten();
         own.zip(loads).for_each(|(own, saved)| *own = *saved);
         Ok(())

@@ -4,13 +4,8 @@ use super::junction::{Junction, JunctionAction};
 use super::node_joint::{Connection, FiberPlace, NodeJoint};
 use crate::{CouplingError, Fibers};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
-use rapunzel_linalg::{LinalgError, SparseSystem};
 use rapunzel_rod_dynamic::{LoadPlace, LoadPoint, StaggeredBatch};
 
-/// Largest number of unknowns of joints that are solved without regard to zeros.
-const DENSE: usize = 120;
-/// Largest residual of a solution in parts of the sizes that it is made of.
-const LARGEST_RESIDUAL: f64 = 1e-8;
 /// Largest gap of a joint at the start, in lengths of its fibres.
 const LARGEST_GAP: f64 = 1e-9;
 
@@ -32,9 +27,9 @@ pub(super) struct Link {
     pub(super) sides: [LinkSide; 2],
     pub(super) junction: Option<Junction>,
     /// Length of a segment, m, by which forces and gaps are measured.
-    length: f64,
+    pub(super) length: f64,
     /// First of its unknowns in its cluster.
-    first: usize,
+    pub(super) first: usize,
 }
 
 /// Where a load of a group comes from: the unknown, and its sign.
@@ -55,13 +50,14 @@ pub(super) struct GroupLoads {
     sources: Vec<LoadSource>,
 }
 
-/// What a group tells of the last linearisation.
-#[derive(Debug, Clone, Default)]
-pub(super) struct GroupMotion {
-    /// Ways of its points, m or rad.
-    pub(super) ways: Vec<Vector3<f64>>,
-    /// By lane, the change of these by loads.
-    pub(super) responses: Vec<DMatrix<f64>>,
+impl GroupLoads {
+    /// Numbers of points by lane, up to the last that has any.
+    pub(super) fn counts(&self) -> Vec<usize> {
+        let last = self.points.iter().map(|point| point.fiber as usize + 1).max();
+        let mut counts = vec![0; last.unwrap_or(0)];
+        self.points.iter().for_each(|point| counts[point.fiber as usize] += 1);
+        counts
+    }
 }
 
 /// All joints of an assembly of fibres.
@@ -69,18 +65,27 @@ pub(super) struct Network {
     pub(super) links: Vec<Link>,
     pub(super) groups: Vec<GroupLoads>,
     /// Links that are coupled by fibres they share, and their number of unknowns.
-    clusters: Vec<(Vec<usize>, usize)>,
+    pub(super) clusters: Vec<(Vec<usize>, usize)>,
 }
 
-/// Joints as they are at the last linearisation.
+/// Joints where the increments of the last linearisation lead.
 pub(super) struct JointState<'a> {
     /// Gaps at the start of the step, m, by link.
     pub(super) gaps: &'a [Vector3<f64>],
-    /// Actions of junctions, by link.
+    /// Actions of junctions at the last linearisation, by link.
     pub(super) actions: &'a [Option<JunctionAction>],
-    pub(super) motions: &'a [GroupMotion],
-    /// Loads of the last linearisation, by group.
+    /// By group, ways of its points, m or rad.
+    pub(super) ways: &'a [Vec<Vector3<f64>>],
+    /// Loads, by group.
     pub(super) loads: &'a [Vec<Vector3<f64>>],
+}
+
+/// What is wrong with joints.
+pub(super) struct JointResiduals {
+    /// By cluster, gaps in lengths of a segment, and moments that lack, N m.
+    pub(super) of_clusters: Vec<DVector<f64>>,
+    /// The largest of them, moments as the angles that they bend junctions by, rad.
+    pub(super) worst: f64,
 }
 
 impl Network {
@@ -128,24 +133,49 @@ impl Network {
             let length = own[0].segment_lengths()[segments[0]];
             links.push(Link { sides: [first, second], junction, length, first: 0 });
         }
-        refuse_repeated(joints)?;
+        refuse_repeated(joints.iter().map(|joint| (&*joint.name, joint.places)))?;
         let clusters = clusters(&mut links);
         Ok(Self { links, groups, clusters })
     }
 
-    /// Changes of all loads, by group, that bring joints where they must be, as the equations are
-    /// linearised.
-    ///
-    /// # Errors
-    /// [`LinalgError`] where joints hold what cannot move.
-    pub(super) fn solve(
-        &self,
-        state: &JointState<'_>,
-    ) -> Result<Vec<Vec<Vector3<f64>>>, LinalgError> {
+    /// What is wrong with joints in a state.
+    pub(super) fn residuals(&self, state: &JointState<'_>) -> JointResiduals {
+        let mut worst = 0.0_f64;
+        let of_cluster = |(members, size): &(Vec<usize>, usize)| {
+            let mut right = DVector::zeros(*size);
+            for &member in members {
+                let link = &self.links[member];
+                let way = |side: &LinkSide| state.ways[side.group][side.force];
+                let gap = state.gaps[member] + way(&link.sides[0]) - way(&link.sides[1]);
+                let gap = gap / link.length;
+                worst = worst.max(gap.norm());
+                right.fixed_rows_mut::<3>(link.first).copy_from(&-gap);
+                let both = state.actions[member].as_ref().zip(link.junction.as_ref());
+                let Some((action, junction)) = both else { continue };
+                for (i, side) in link.sides.iter().enumerate() {
+                    let Some(own) = side.moment else { continue };
+                    let sign = if i == 0 { 1.0 } else { -1.0 };
+                    let mut torque = sign * action.moment - state.loads[side.group][own];
+                    for (j, by) in link.sides.iter().enumerate() {
+                        let Some(other) = by.moment else { continue };
+                        let hessian = action.hessian.fixed_view::<3, 3>(3 * i, 3 * j);
+                        torque -= hessian * state.ways[by.group][other];
+                    }
+                    worst = worst.max(torque.norm() / junction.stiffness.norm());
+                    right.fixed_rows_mut::<3>(link.first + 3 + 3 * i).copy_from(&torque);
+                }
+            }
+            right
+        };
+        let of_clusters = self.clusters.iter().map(of_cluster).collect();
+        JointResiduals { of_clusters, worst }
+    }
+
+    /// Loads, by group, of unknowns by cluster.
+    pub(super) fn loads(&self, unknowns: &[DVector<f64>]) -> Vec<Vec<Vector3<f64>>> {
         let mut solution = vec![[0.0; 9]; self.links.len()];
-        for cluster in &self.clusters {
-            let unknowns = self.solve_cluster(cluster, state)?;
-            for &link in &cluster.0 {
+        for ((members, _), unknowns) in self.clusters.iter().zip(unknowns) {
+            for &link in members {
                 let Link { first, length, .. } = self.links[link];
                 let own = &mut solution[link];
                 for i in 0..self.links[link].unknowns() {
@@ -156,67 +186,21 @@ impl Network {
         let of = |source: &LoadSource| {
             source.sign * Vector3::from_fn(|i, _| solution[source.link][source.offset + i])
         };
-        Ok(self.groups.iter().map(|group| group.sources.iter().map(of).collect()).collect())
-    }
-
-    fn solve_cluster(
-        &self,
-        (members, size): &(Vec<usize>, usize),
-        state: &JointState<'_>,
-    ) -> Result<DVector<f64>, LinalgError> {
-        let mut entries = Vec::new();
-        let mut right = DVector::zeros(*size);
-        for &member in members {
-            let link = &self.links[member];
-            let mut put = |row: usize, column: usize, block: &Matrix3<f64>| {
-                for (i, j) in (0..9).map(|k| (k / 3, k % 3)) {
-                    entries.push((row + i, column + j, block[(i, j)]));
-                }
-            };
-            // Nodes meet: forces times the length of a segment are the unknowns.
-            let mut gap = state.gaps[member];
-            for (side, sign) in link.sides.iter().zip([1.0, -1.0]) {
-                gap += sign * state.motions[side.group].ways[side.force];
-                let weight = Matrix3::from_diagonal_element(sign / link.length);
-                self.respond(side.group, side.force, state, |column, block| {
-                    put(link.first, column, &(weight * block));
-                });
-            }
-            right.fixed_rows_mut::<3>(link.first).copy_from(&(-gap / link.length));
-            // Moments of the junction on both segments.
-            let Some(action) = &state.actions[member] else { continue };
-            for (i, side) in link.sides.iter().enumerate() {
-                let Some(own) = side.moment else { continue };
-                let row = link.first + 3 + 3 * i;
-                let sign = if i == 0 { 1.0 } else { -1.0 };
-                let mut torque = sign * action.moment - state.loads[side.group][own];
-                put(row, row, &Matrix3::identity());
-                for (j, by) in link.sides.iter().enumerate() {
-                    let Some(other) = by.moment else { continue };
-                    let hessian = action.hessian.fixed_view::<3, 3>(3 * i, 3 * j).into_owned();
-                    torque -= hessian * state.motions[by.group].ways[other];
-                    self.respond(by.group, other, state, |column, block| {
-                        put(row, column, &(hessian * block));
-                    });
-                }
-                right.fixed_rows_mut::<3>(row).copy_from(&torque);
-            }
-        }
-        solved(*size, &entries, &right)
+        self.groups.iter().map(|group| group.sources.iter().map(of).collect()).collect()
     }
 
     /// Tells how the way of a point of a group changes with the unknowns: their first column and
-    /// the block.
-    fn respond(
+    /// the block. `responses` are those of the fibres, by group and lane.
+    pub(super) fn respond(
         &self,
         group: usize,
         point: usize,
-        state: &JointState<'_>,
+        responses: &[Vec<DMatrix<f64>>],
         mut tell: impl FnMut(usize, Matrix3<f64>),
     ) {
         let GroupLoads { points, sources } = &self.groups[group];
         let lane = points[point].fiber;
-        let matrix = &state.motions[group].responses[lane as usize];
+        let matrix = &responses[group][lane as usize];
         let row = 3 * sources[point].rank;
         let own = points.iter().zip(sources).filter(|(other, _)| other.fiber == lane);
         for (_, source) in own {
@@ -259,26 +243,28 @@ fn check_closed(joint: &NodeJoint, fibers: &Fibers<StaggeredBatch>) -> Result<()
     Err(CouplingError::JointOpen { joint: joint.name.clone(), gap, most, places })
 }
 
-/// Refuses joints between nodes that others join already.
-fn refuse_repeated(joints: &[NodeJoint]) -> Result<(), CouplingError> {
+/// Refuses joints, by name, between nodes that others join already.
+pub(crate) fn refuse_repeated<'a>(
+    joints: impl Iterator<Item = (&'a str, [FiberPlace; 2])>,
+) -> Result<(), CouplingError> {
     // By node that is joined: a number that all that are joined to it have in common, and the last
     // joint there.
-    let mut known: Vec<(FiberPlace, usize, usize)> = Vec::new();
-    for (i, joint) in joints.iter().enumerate() {
-        let sets = joint.places.map(|place| {
+    let mut known: Vec<(FiberPlace, usize, &str)> = Vec::new();
+    for (joint, places) in joints {
+        let sets = places.map(|place| {
             let found = known.iter().position(|(other, ..)| *other == place);
             found.unwrap_or_else(|| {
-                known.push((place, known.len(), i));
+                known.push((place, known.len(), joint));
                 known.len() - 1
             })
         });
         let [a, b] = sets.map(|at| known[at].1);
         if a == b {
-            let other = joints[known[sets[0]].2].name.clone();
-            return Err(CouplingError::JointTwice { joint: joint.name.clone(), other });
+            let other = known[sets[0]].2.to_owned();
+            return Err(CouplingError::JointTwice { joint: joint.to_owned(), other });
         }
         known.iter_mut().filter(|(_, set, _)| *set == b).for_each(|(_, set, _)| *set = a);
-        sets.iter().for_each(|&at| known[at].2 = i);
+        sets.iter().for_each(|&at| known[at].2 = joint);
     }
     Ok(())
 }
@@ -315,23 +301,4 @@ fn clusters(links: &mut [Link]) -> Vec<(Vec<usize>, usize)> {
         (members, size)
     };
     clusters.into_iter().map(count).collect()
-}
-
-/// The solution of a system that is small, or else sparse.
-fn solved(
-    size: usize,
-    entries: &[(usize, usize, f64)],
-    right: &DVector<f64>,
-) -> Result<DVector<f64>, LinalgError> {
-    if size > DENSE {
-        let columns = DMatrix::from_column_slice(size, 1, right.as_slice());
-        let solution = SparseSystem::new(size, entries)?.solve(&columns)?;
-        return Ok(solution.column(0).into_owned());
-    }
-    let mut matrix = DMatrix::zeros(size, size);
-    entries.iter().for_each(|&(row, column, value)| matrix[(row, column)] += value);
-    let solution = matrix.clone().lu().solve(right).ok_or(LinalgError::Singular)?;
-    let scale = right.amax() + matrix.amax() * solution.amax();
-    let residual = (right - matrix * &solution).amax();
-    if residual <= LARGEST_RESIDUAL * scale { Ok(solution) } else { Err(LinalgError::Singular) }
 }

@@ -2,11 +2,13 @@
 
 use super::groups::JoinedSolve;
 use super::joined_fibers::JoinedFibers;
-use super::network::{GroupMotion, JointState, frame};
-use crate::{CouplingError, StepReport};
+use super::junction::JunctionAction;
+use super::matrix::{JointMatrix, MatrixTerms};
+use super::network::{JointResiduals, JointState, Network, frame};
+use crate::{CouplingError, Fibers, StepReport};
 use nalgebra::Vector3;
 use rapunzel_linalg::LinalgError;
-use rapunzel_rod_dynamic::{JointLoads, Ledger, StepError, expected_error};
+use rapunzel_rod_dynamic::{JointLoads, Ledger, StaggeredBatch, StepError, expected_error};
 use rayon::prelude::*;
 
 /// Most iterations of Newton's method.
@@ -15,11 +17,19 @@ const JOINED_ITERATIONS: usize = 30;
 const JOINED_HALVINGS: u32 = 10;
 /// Error allowed after the last increment, rad.
 const TURN_TOLERANCE: f64 = 1e-13;
-/// Increments below this, rad, that hardly fall any more are rounding.
+/// Increments below this, rad, that hardly fall any more are rounding, if joints are as closed.
 const NOISE: f64 = 1e-6;
-
-/// After increments up to this, rad, responses to loads are as good as before.
-const SMALL: f64 = 1e-6;
+/// Joints are closed to this, in lengths of a segment and rad, where they need not be to less, and
+/// to so many roundings of places.
+const CLOSED: f64 = 1e-14;
+const ROUNDINGS: f64 = 8.0;
+/// Where a joint is no more open than this, in what is rounding, it is let be if it does not close.
+const NEARLY: f64 = 16.0;
+/// Joints are closed to at least this in each iteration.
+const ROUGH: f64 = 1e-3;
+/// Where a pass leaves more of the error of joints than this, their matrix is taken anew; where it
+/// does with a new one too, what is left is rounding.
+const SLOW: f64 = 0.1;
 
 /// Why a part of a step could not be taken.
 enum PartFailure {
@@ -104,32 +114,29 @@ impl JoinedFibers {
     fn solve(&mut self, time: f64, dt: f64, search: JoinedSolve) -> Result<usize, PartFailure> {
         let Self { fibers, network, .. } = &*self;
         let place = |group: usize, lane, node| fibers.groups[group].batch.node(lane, node).0;
-        let gaps: Vec<_> = network
-            .links
-            .iter()
-            .map(|link| {
-                let [a, b] = link.sides.map(|side| place(side.group, side.lane, side.node));
-                a - b
-            })
-            .collect();
+        let (mut gaps, mut least) = (Vec::with_capacity(network.links.len()), CLOSED);
+        for link in &network.links {
+            let [a, b] = link.sides.map(|side| place(side.group, side.lane, side.node));
+            gaps.push(a - b);
+            least = least.max(ROUNDINGS * f64::EPSILON * a.coords.norm() / link.length);
+        }
         let turns = self.turns();
-        let Self { fibers, network, loads } = self;
+        let Self { fibers, network, loads, matrix } = self;
         let groups = fibers.groups.par_iter_mut().zip(&network.groups).zip(&*loads);
         let set_out = groups.map(|((group, joints), loads)| {
             group.set_out_joined((time, dt), search, JointLoads { points: &joints.points, loads })
         });
         set_out.collect::<Vec<_>>().into_iter().collect::<Result<(), _>>()?;
+        // A matrix is good for the same step only.
+        let mut known =
+            matrix.take().filter(|own| search == JoinedSolve::End && own.terms().dt == dt);
+        let mut ways: Vec<_> = loads.clone();
         let (mut increments, mut before) = (Vec::new(), f64::INFINITY);
-        let mut motions = vec![GroupMotion::default(); fibers.groups.len()];
-        let mut anew = true;
         for iteration in 1..=JOINED_ITERATIONS {
-            let groups = fibers.groups.par_iter_mut().zip(&network.groups).zip(&mut motions);
-            let linearized: Vec<_> = groups
-                .map(|((group, joints), motion)| {
-                    group.linearize_joined(time, &joints.points, anew, motion)
-                })
-                .collect();
-            linearized.into_iter().collect::<Result<(), _>>()?;
+            let groups = fibers.groups.par_iter_mut().zip(&network.groups).zip(&mut ways);
+            let linearized = groups
+                .map(|((group, joints), ways)| group.linearize_joined(time, &joints.points, ways));
+            let own = largest(linearized.collect())?;
             let actions: Vec<_> = network
                 .links
                 .iter()
@@ -139,28 +146,51 @@ impl JoinedFibers {
                     link.junction.as_ref().map(|junction| junction.act(frames, before, dt))
                 })
                 .collect();
-            let state =
-                JointState { gaps: &gaps, actions: &actions, motions: &motions, loads: &*loads };
-            let changes = network.solve(&state).map_err(PartFailure::Joints)?;
-            let all = loads.iter_mut().flatten().zip(changes.iter().flatten());
-            all.for_each(|(load, change)| *load += change);
-            let groups = fibers.groups.par_iter_mut().zip(&network.groups).zip(&*loads);
-            let advanced: Vec<_> = groups
-                .map(|((group, joints), loads)| {
-                    group.advance_joined(JointLoads { points: &joints.points, loads })
-                })
-                .collect();
-            let mut turn = 0.0_f64;
-            for own in advanced {
-                turn = turn.max(own?);
-            }
+            // Joints need not be closer than the fibres will be.
+            let goal = (own * own).max(least).min(ROUGH);
+            let (mut last, mut new) = (f64::INFINITY, false);
+            let left = loop {
+                let state = JointState { gaps: &gaps, actions: &actions, ways: &ways, loads };
+                let JointResiduals { of_clusters, worst } = network.residuals(&state);
+                if worst <= goal {
+                    break worst;
+                }
+                let slow = worst > SLOW * last;
+                if slow && (new || worst <= NEARLY * least) {
+                    break worst;
+                }
+                let solved_with = match known.take().filter(|_| !slow) {
+                    Some(matrix) => matrix,
+                    None => {
+                        new = true;
+                        matrix_now(fibers, network, &actions, (time, dt))?
+                    }
+                };
+                let unknowns = solved_with.solve(&of_clusters).map_err(PartFailure::Joints)?;
+                known = Some(solved_with);
+                let changes = network.loads(&unknowns);
+                let all = loads.iter_mut().flatten().zip(changes.iter().flatten());
+                all.for_each(|(load, change)| *load += change);
+                let groups = fibers.groups.par_iter_mut().zip(&network.groups);
+                let changed =
+                    groups.zip(&changes).zip(&mut ways).map(|(((group, joints), loads), ways)| {
+                        let changes = JointLoads { points: &joints.points, loads };
+                        group.change_joined(time, changes, ways)
+                    });
+                changed.collect::<Vec<_>>().into_iter().collect::<Result<(), _>>()?;
+                last = worst;
+            };
+            let taken = fibers.groups.par_iter_mut().map(|group| group.take_joined());
+            let turn = largest(taken.collect())?;
             increments.push(turn);
-            let rounding = turn < NOISE && turn > 0.9 * before;
-            // With responses of an earlier iteration joints converge linearly.
-            if expected_error(turn, before, anew) < TURN_TOLERANCE || rounding {
+            let rounding = turn < NOISE && turn > 0.9 * before && left < NOISE;
+            let closed = left <= TURN_TOLERANCE.max(NEARLY * least);
+            if closed && expected_error(turn, before, true) < TURN_TOLERANCE || rounding {
+                if search == JoinedSolve::End {
+                    *matrix = known;
+                }
                 return Ok(iteration);
             }
-            anew = turn > SMALL;
             before = turn;
         }
         // No fibre is to blame alone: the first stands for all.
@@ -189,4 +219,25 @@ impl JoinedFibers {
         let each = junctions.zip(self.turns());
         each.map(|(junction, turn)| junction.map_or(0.0, |own| own.stored(&turn))).collect()
     }
+}
+
+/// The largest of what groups tell.
+fn largest(told: Vec<Result<f64, StepError>>) -> Result<f64, StepError> {
+    told.into_iter().try_fold(0.0, |most: f64, one| Ok(most.max(one?)))
+}
+
+/// The matrix of the joints at the last linearisation of a step from `time` by `dt`, s.
+fn matrix_now(
+    fibers: &mut Fibers<StaggeredBatch>,
+    network: &Network,
+    actions: &[Option<JunctionAction>],
+    (time, dt): (f64, f64),
+) -> Result<JointMatrix, PartFailure> {
+    let groups = fibers.groups.par_iter_mut().zip(&network.groups);
+    let told = groups.map(|(group, joints)| group.responses(time, &joints.points));
+    let told: Vec<Result<_, StepError>> = told.collect();
+    let responses = told.into_iter().collect::<Result<_, _>>()?;
+    let hessians = actions.iter().map(|action| action.as_ref().map(|own| own.hessian)).collect();
+    let matrix = JointMatrix::new(network, MatrixTerms { dt, responses, hessians });
+    matrix.map_err(PartFailure::Joints)
 }

@@ -15,8 +15,10 @@ use rapunzel_lanes::LANES;
 pub(super) trait BatchAttempts {
     /// Borrows the thread's workspace, without which only state can be read and set.
     fn enter(&mut self);
-    /// Returns the workspace to the thread.
+    /// Returns the workspace to the thread, unless the batch holds it.
     fn leave(&mut self);
+    /// Lets the batch hold its workspace from call to call, or not any more. Only between calls.
+    fn hold_workspace(&mut self, holds: bool);
     /// Stores the present directors as those at the start of a step.
     fn set_out(&mut self, wanted: &[bool; LANES]);
     /// Takes the rotation vectors of the joints from the present rotations: the damping of the
@@ -45,10 +47,20 @@ impl<S: Simd> BatchAttempts for SimdBatch<S> {
     }
 
     fn leave(&mut self) {
+        if self.holds {
+            return;
+        }
         if let Some(mut room) = self.borrowed.take() {
             self.exchange_kept();
             std::mem::swap(&mut self.chain.room, &mut room);
             workspace::give_back(room);
+        }
+    }
+
+    fn hold_workspace(&mut self, holds: bool) {
+        self.holds = holds;
+        if !holds {
+            self.leave();
         }
     }
 

@@ -34,6 +34,7 @@ impl StaggeredBatch {
         reports: &mut [RodStepReport],
     ) -> Result<(), StepError> {
         self.fresh_before = self.fresh;
+        self.engine.hold_workspace(false);
         self.engine.keep();
         self.working(|batch| {
             batch.begin(dt, conditions, reports)?;

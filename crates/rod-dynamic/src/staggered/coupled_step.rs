@@ -8,8 +8,7 @@ use super::array::{self, get, store};
 use super::ends::Held;
 use super::inputs::BatchInputs;
 use super::joint_geometry::keep_directors;
-use super::response::Inertia;
-use super::scheme::{Stage, StepProblem};
+use super::scheme::StepProblem;
 use super::search::Search;
 use super::simd_batch::SimdBatch;
 use crate::Impulses;
@@ -72,7 +71,9 @@ impl<S: Simd> BatchCoupledStep for SimdBatch<S> {
             #[inline(always)]
             fn call(self) -> [f64; LANES] {
                 let pack = self.0;
-                pack.resume();
+                if !pack.holds {
+                    pack.resume();
+                }
                 let mut search = [Search::new(false, Held::CLAMPED, false); LANES];
                 // Of joined fibres each by itself may be at a saddle where all together are not.
                 let alone = pack.joint_forces.is_empty();
@@ -100,7 +101,7 @@ impl<S: Simd> BatchCoupledStep for SimdBatch<S> {
             self.set_impulses(lane, impulses.of_fiber(lane, self.chain.n));
         }
         self.add_impulses(1.0);
-        self.take_increments()
+        self.take_with_response()
     }
 
     fn arrive(&mut self) {
@@ -109,7 +110,9 @@ impl<S: Simd> BatchCoupledStep for SimdBatch<S> {
             type Output = ();
             #[inline(always)]
             fn call(self) {
-                self.0.resume();
+                if !self.0.holds {
+                    self.0.resume();
+                }
                 self.0.chain.shape();
                 self.0.chain.measure_joints();
             }
@@ -135,7 +138,7 @@ impl<S: Simd> SimdBatch<S> {
 
     /// Takes the increments of the last linearisation together with those that the change of the
     /// impulses in the workspace causes. Returns the largest increment of each lane, rad.
-    fn take_increments(&mut self) -> [f64; LANES] {
+    fn take_with_response(&mut self) -> [f64; LANES] {
         struct Advance<'a, S: Simd>(&'a mut SimdBatch<S>);
         impl<S: Simd> NullaryFnOnce for Advance<'_, S> {
             type Output = [f64; LANES];
@@ -143,7 +146,10 @@ impl<S: Simd> SimdBatch<S> {
             fn call(self) -> [f64; LANES] {
                 let pack = self.0;
                 let stage = pack.stage(&pack.last_dt, pack.problem);
-                let turns = pack.take_response(&stage);
+                pack.recall_directors();
+                pack.solve_increments(&stage);
+                pack.add_solution();
+                let turns = pack.take_step();
                 // Only where a root is held do positions follow from rotations alone.
                 if pack.chain.ends.any_root_free || pack.chain.supports.is_some() {
                     pack.prepare(&stage);
@@ -157,24 +163,20 @@ impl<S: Simd> SimdBatch<S> {
         self.chain.simd.vectorize(Advance(self))
     }
 
-    /// Solves for the response to the change of the impulses in the workspace, and takes it with
-    /// the increments of the last linearisation. Returns the largest increment of each lane, rad.
+    /// Adds the solution in the workspace to the increments of the last linearisation.
     #[inline(always)]
-    pub(super) fn take_response(&mut self, stage: &Stage<S>) -> [f64; LANES] {
-        self.recall_directors();
-        self.solve_response(stage, Inertia::Own, 0);
-        self.take_sum()
-    }
-
-    /// Takes the increments of the last linearisation with the response in the workspace. Returns
-    /// the largest increment of each lane, rad.
-    #[inline(always)]
-    fn take_sum(&mut self) -> [f64; LANES] {
+    pub(super) fn add_solution(&mut self) {
         for i in 0..2 * self.chain.n {
             let sum = self.chain.vec(&self.chain.kept.step, i)
                 + self.chain.vec(&self.chain.room.solution, i);
             store(&mut self.chain.kept.step, i, sum);
         }
+    }
+
+    /// Takes the increments of the last linearisation. Returns the largest increment of each lane,
+    /// rad.
+    #[inline(always)]
+    pub(super) fn take_step(&mut self) -> [f64; LANES] {
         let turn = self.chain.largest_turn();
         let (mut turns, mut scale) = ([0.0; LANES], [0.0; LANES]);
         for lane in 0..S::F64_LANES {

@@ -10,10 +10,10 @@ use rapunzel_lanes::LANES;
 
 impl StaggeredBatch {
     /// Starts a step of `dt` seconds with these loads of joints, at the predicted shape, without
-    /// solving it: [`Self::linearize`] and [`Self::advance_loaded`] do that, one Newton iteration
-    /// after another, until [`Self::accept`] or [`Self::abandon`]. Such a step is not halved, since
-    /// fibres that are joined must take the same step. The fibres must not be
-    /// [fresh](Self::is_fresh).
+    /// solving it: [`Self::linearize`], [`Self::change_loads`] and [`Self::take_increments`] do
+    /// that, one Newton iteration after another, until [`Self::accept`] or [`Self::abandon`]. Such
+    /// a step is not halved, since fibres that are joined must take the same step. The fibres must
+    /// not be [fresh](Self::is_fresh). The batch holds its workspace from now on.
     ///
     /// # Errors
     /// [`StepError`] for conditions and loads that make no sense; the fibres are then as before.
@@ -30,6 +30,7 @@ impl StaggeredBatch {
         self.check_loads(loads)?;
         self.fresh_before = self.fresh;
         self.engine.keep();
+        self.engine.hold_workspace(true);
         self.engine.set_problem(StepProblem::Step);
         self.working(|batch| {
             batch.begin(dt, conditions, reports)?;
@@ -72,6 +73,7 @@ impl StaggeredBatch {
         let (start, end) = (at(self.time)?, at(self.time + dt)?);
         self.fresh_before = self.fresh;
         self.engine.keep();
+        self.engine.hold_workspace(true);
         self.engine.set_problem(StepProblem::Start);
         self.working(|batch| {
             batch.engine.remember();
@@ -113,15 +115,26 @@ impl StaggeredBatch {
         Ok(())
     }
 
-    /// Takes the increments of the last linearisation, with these loads in place of those it had.
-    /// Returns the largest increment, rad; those above 1 are shortened.
+    /// Changes the loads of joints by these, and the increments of the last linearisation as these
+    /// change them. Cost: a pass over the fibres to the tip and back.
     ///
     /// # Errors
-    /// [`StepError`] for loads that make no sense, or an increment that is not finite.
-    pub fn advance_loaded(&mut self, loads: JointLoads) -> Result<f64, StepError> {
-        self.check_loads(loads)?;
+    /// [`StepError`] for loads that make no sense.
+    pub fn change_loads(&mut self, changes: JointLoads) -> Result<(), StepError> {
+        self.check_loads(changes)?;
         self.check_under_way()?;
-        let turns = self.working(|batch| batch.engine.advance_loaded(loads));
+        self.working(|batch| batch.engine.change_loads(changes));
+        Ok(())
+    }
+
+    /// Takes the increments of the last linearisation. Returns the largest increment, rad; those
+    /// above 1 are shortened.
+    ///
+    /// # Errors
+    /// [`StepError`] if an increment is not finite.
+    pub fn take_increments(&mut self) -> Result<f64, StepError> {
+        self.check_under_way()?;
+        let turns = self.working(|batch| batch.engine.take_increments());
         self.largest(&turns)
     }
 

@@ -27,9 +27,12 @@ pub(super) trait BatchJointLoads {
     /// By fibre, the change of these ways by loads at its points, in the order of `points`: three
     /// rows and columns each, m or rad per N or N m, symmetric.
     fn load_responses(&mut self, points: &[LoadPoint]) -> Vec<DMatrix<f64>>;
-    /// Takes the increments of the last linearisation, with other loads than those it had. Returns
-    /// the largest increment of each lane, rad.
-    fn advance_loaded(&mut self, loads: JointLoads) -> [f64; LANES];
+    /// Changes the loads by these, and the increments of the last linearisation with them. The
+    /// batch must hold its workspace.
+    fn change_loads(&mut self, changes: JointLoads);
+    /// Takes the increments of the last linearisation. Returns the largest increment of each lane,
+    /// rad.
+    fn take_increments(&mut self) -> [f64; LANES];
     /// Rotation of a segment where a step under way has been solved to.
     fn frame(&self, lane: usize, segment: usize) -> UnitQuaternion<f64>;
     /// Chooses the problem that a step in several calls solves.
@@ -43,8 +46,10 @@ impl<S: Simd> BatchJointLoads for SimdBatch<S> {
     fn set_joint_loads(&mut self, JointLoads { points, loads }: JointLoads) {
         let n = self.chain.n;
         fit::<S>(&mut self.joint_forces, 3 * (n + 1));
+        fit::<S>(&mut self.joint_changes, 3 * (n + 1));
         fit::<S>(&mut self.joint_moments, 3 * n);
         self.joint_forces.fill(S::f64s::zeroed());
+        self.joint_changes.fill(S::f64s::zeroed());
         self.joint_moments.fill(S::f64s::zeroed());
         for (point, load) in points.iter().zip(loads) {
             let (array, index) = match point.place {
@@ -125,36 +130,51 @@ impl<S: Simd> BatchJointLoads for SimdBatch<S> {
         all
     }
 
-    fn advance_loaded(&mut self, loads: JointLoads) -> [f64; LANES] {
-        let before = [self.joint_forces.clone(), self.joint_moments.clone()];
-        self.set_joint_loads(loads);
+    fn change_loads(&mut self, JointLoads { points, loads: changes }: JointLoads) {
         // As impulses and moments of impulses, which the response is made for.
-        let gains = self.accelerations_by_way();
-        let dt = self.last_dt;
+        let (gains, dt) = (self.accelerations_by_way(), self.last_dt);
         let room = &mut self.chain.room;
-        let parts = [
-            (&mut room.values, &self.joint_forces, &before[0]),
-            (&mut room.turns, &self.joint_moments, &before[1]),
-        ];
-        for (to, now, before) in parts {
-            for i in 0..to.len() {
-                for lane in 0..S::F64_LANES {
-                    let change = at(now, i, lane) - at(before, i, lane);
-                    set(to, i, lane, change / (gains[lane] * dt[lane]));
+        room.values.fill(S::f64s::zeroed());
+        room.turns.fill(S::f64s::zeroed());
+        for (point, change) in points.iter().zip(changes) {
+            let (index, lane) = (point.first(), point.fiber as usize);
+            if let LoadPlace::Node(_) = point.place {
+                add(&mut self.joint_changes, index, lane, change);
+            }
+            let [load, known, impulse] = match point.place {
+                LoadPlace::Node(_) => [&mut self.joint_forces, &mut room.b, &mut room.values],
+                LoadPlace::Segment(_) => {
+                    [&mut self.joint_moments, &mut room.torque, &mut room.turns]
                 }
+            };
+            add(load, index, lane, change);
+            add(known, index, lane, change);
+            add(impulse, index, lane, &(change / (gains[lane] * dt[lane])));
+        }
+        struct ChangeLoads<'a, S: Simd>(&'a mut SimdBatch<S>);
+        impl<S: Simd> NullaryFnOnce for ChangeLoads<'_, S> {
+            type Output = ();
+            #[inline(always)]
+            fn call(self) {
+                let stage = self.0.stage(&self.0.last_dt, self.0.problem);
+                self.0.solve_increments(&stage);
+                self.0.add_solution();
             }
         }
-        struct AdvanceLoaded<'a, S: Simd>(&'a mut SimdBatch<S>);
-        impl<S: Simd> NullaryFnOnce for AdvanceLoaded<'_, S> {
+        self.chain.simd.vectorize(ChangeLoads(self));
+    }
+
+    fn take_increments(&mut self) -> [f64; LANES] {
+        struct TakeIncrements<'a, S: Simd>(&'a mut SimdBatch<S>);
+        impl<S: Simd> NullaryFnOnce for TakeIncrements<'_, S> {
             type Output = [f64; LANES];
             #[inline(always)]
             fn call(self) -> [f64; LANES] {
-                let pack = self.0;
-                let stage = pack.stage(&pack.last_dt, pack.problem);
-                pack.take_response(&stage)
+                self.0.take_step()
             }
         }
-        self.chain.simd.vectorize(AdvanceLoaded(self))
+        self.joint_changes.fill(S::f64s::zeroed());
+        self.chain.simd.vectorize(TakeIncrements(self))
     }
 
     fn frame(&self, lane: usize, segment: usize) -> UnitQuaternion<f64> {

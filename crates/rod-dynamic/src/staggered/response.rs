@@ -73,27 +73,10 @@ fn answer<S: Simd, const K: usize>(
 ) {
     let (simd, w) = (stage.dt.simd(), right.w);
     let n = w.len() - 1;
-    let (gain, one) = (stage.c1 * stage.dt, Lane::splat(simd, 1.0));
+    let gain = stage.c1 * stage.dt;
     let first = from.saturating_sub(1);
     let beside = !right.moments.is_empty();
-    // Constraint row of segment e: c1 dt (w_e P_e - w_(e+1) P_(e+1)), e its node before. Torque:
-    // c1 dt (T + w_e P_e x x_e + w_(e+1) P_(e+1) x y_e), with the moments of masses beside the
-    // axis.
-    for e in first..n {
-        let (w0, w1) = (Lane::new(simd, w[e]), Lane::new(simd, w[e + 1]));
-        for i in K * e..K * (e + 1) {
-            let (at_node, behind) = (V3::load(simd, values, i), V3::load(simd, values, i + K));
-            let before = moved(ends, [e, n], [w0, one], at_node);
-            let here = moved(ends, [e + 1, n], [w1, one], behind);
-            let mut torque = V3::load(simd, turns, i);
-            if beside {
-                let [x, y] = right.moments(simd, e);
-                torque += before.cross(x) + here.cross(y);
-            }
-            store(loads, 2 * i, (before - here).scale(gain));
-            store(loads, 2 * i + 1, torque.scale(gain));
-        }
-    }
+    write_loads::<S, K>(stage, right, ends, first, [values, turns], loads);
     factor.solve::<K>(simd, right, first, loads, solution);
     // Mean angular velocity of segment e: dtheta_e / dt. Mean velocity of node a: (w_a / dt)
     // (c1 dt P_a + dn_a - dn_(a-1) + x_a x dtheta_a + y_(a-1) x dtheta_(a-1)), dn_a the force and
@@ -120,6 +103,41 @@ fn answer<S: Simd, const K: usize>(
                 }
             }
             store(values, i, moved(ends, [a, n], [Lane::new(simd, w[a]), rate], sum));
+        }
+    }
+}
+
+/// Writes what `K` sets of impulses on nodes and of moments on segments are in the equations of
+/// segment `first` and those behind it.
+#[inline(always)]
+fn write_loads<S: Simd, const K: usize>(
+    stage: &Stage<S>,
+    right: &Right<S>,
+    ends: Option<(&BothSupports<S>, bool)>,
+    first: usize,
+    [values, turns]: [&[S::f64s]; 2],
+    loads: &mut [S::f64s],
+) {
+    let (simd, w) = (stage.dt.simd(), right.w);
+    let n = w.len() - 1;
+    let (gain, one) = (stage.c1 * stage.dt, Lane::splat(simd, 1.0));
+    let beside = !right.moments.is_empty();
+    // Constraint row of segment e: c1 dt (w_e P_e - w_(e+1) P_(e+1)), e its node before. Torque:
+    // c1 dt (T + w_e P_e x x_e + w_(e+1) P_(e+1) x y_e), with the moments of masses beside the
+    // axis.
+    for e in first..n {
+        let (w0, w1) = (Lane::new(simd, w[e]), Lane::new(simd, w[e + 1]));
+        for i in K * e..K * (e + 1) {
+            let (at_node, behind) = (V3::load(simd, values, i), V3::load(simd, values, i + K));
+            let before = moved(ends, [e, n], [w0, one], at_node);
+            let here = moved(ends, [e + 1, n], [w1, one], behind);
+            let mut torque = V3::load(simd, turns, i);
+            if beside {
+                let [x, y] = right.moments(simd, e);
+                torque += before.cross(x) + here.cross(y);
+            }
+            store(loads, 2 * i, (before - here).scale(gain));
+            store(loads, 2 * i + 1, torque.scale(gain));
         }
     }
 }
@@ -192,6 +210,17 @@ impl<S: Simd> SimdBatch<S> {
         let weighted = inertia == Inertia::Weighted && self.weighted.is_some();
         let ends = supports.as_deref().map(|both| (both, weighted));
         answer::<S, 1>(stage, factor, &kept.right(w, moments), ends, from, columns);
+    }
+
+    /// Solves for the increments that the impulses in the workspace cause, and not for velocities.
+    #[inline(always)]
+    pub(super) fn solve_increments(&mut self, stage: &Stage<S>) {
+        let RotationChain { kept, room, supports, .. } = &mut self.chain;
+        let BatchWorkspace { values, turns, loads, solution, .. } = room;
+        let ends = supports.as_deref().map(|both| (both, false));
+        let right = kept.right(&kept.w, &[]);
+        write_loads::<S, 1>(stage, &right, ends, 0, [values, turns], loads);
+        kept.factor.solve::<1>(stage.dt.simd(), &right, 0, loads, solution);
     }
 
     #[inline(always)]

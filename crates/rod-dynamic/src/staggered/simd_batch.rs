@@ -45,6 +45,8 @@ pub(super) struct SimdBatch<S: Simd> {
     pub(super) node_forces: Array<S>,
     /// Forces of joints on the nodes at the end of the step, N (3 per node), empty until set.
     pub(super) joint_forces: Array<S>,
+    /// What these have changed by since the last linearisation, N (3 per node), empty until set.
+    pub(super) joint_changes: Array<S>,
     /// Moments of joints on the segments at the end of the step, N m (3 per segment), empty until
     /// set.
     pub(super) joint_moments: Array<S>,
@@ -65,6 +67,8 @@ pub(super) struct SimdBatch<S: Simd> {
     pub(super) borrowed: Option<Box<BatchWorkspace<S>>>,
     /// Whether the chain owns the storage that a step needs from call to call.
     pub(super) keeps: bool,
+    /// Whether the batch holds a workspace from call to call: what a step has written there stays.
+    pub(super) holds: bool,
     /// State of the ends at the start of the step, for the ledger.
     pub(super) outset: Outset<S>,
 }
@@ -107,6 +111,7 @@ impl<S: Simd> SimdBatch<S> {
             absorbed: [[S::f64s::zeroed(); 3]; 2],
             node_forces: zeros::<S>(0),
             joint_forces: zeros::<S>(0),
+            joint_changes: zeros::<S>(0),
             joint_moments: zeros::<S>(0),
             fields: [S::f64s::zeroed(); 11],
             held: [Held::CLAMPED; LANES],
@@ -121,6 +126,7 @@ impl<S: Simd> SimdBatch<S> {
             weighted: None,
             borrowed: None,
             keeps: false,
+            holds: false,
             outset: Outset::new(),
             any_damping,
         };

@@ -152,6 +152,9 @@ impl<S: Simd> BatchVelocities for SimdBatch<S> {
         if node > 0 {
             sum -= force(node - 1);
         }
+        if !self.joint_changes.is_empty() {
+            sum += self.vector(&self.joint_changes, node, lane);
+        }
         let mut added = sum * at(&kept.w, node, lane);
         if let (Some(both), true) = (&self.chain.supports, node == 0 || node == n) {
             added += both[usize::from(node == n)].moved(lane, &sum);

@@ -5,7 +5,8 @@ use super::start::FiberStart;
 use crate::SimError;
 use crate::scene::{ContactSettings, RodMethod, Scene};
 use rapunzel_coupling::{
-    CollisionObject, FiberConditions, FiberGroup, Fibers, FibersInContact, RodBatch, Surroundings,
+    BallJoint, CollisionObject, FiberConditions, FiberGroup, Fibers, FibersInContact, RodBatch,
+    Surroundings,
 };
 use rapunzel_fiber::Assembly;
 use rapunzel_rod_dynamic::{RodError, StaggeredBatch};
@@ -24,13 +25,13 @@ pub(super) fn at_start<'a>(
     Surroundings { environment: &scene.environment, objects, start: 0.0, end: 0.0 }
 }
 
-/// Fibres that touch each other and the objects around them.
+/// Fibres that touch each other and the objects around them, with joints.
 pub(super) fn in_contact(
     settings: &ContactSettings,
-    method: RodMethod,
+    (method, keeps_ledger): (RodMethod, bool),
     starts: &[FiberStart],
     assembly: Assembly,
-    keeps_ledger: bool,
+    joints: &[BallJoint],
     around: &mut Surroundings<'_>,
 ) -> Result<FibersInContact, SimError> {
     let groups = groups(&assembly, starts, |starts| {
@@ -44,7 +45,7 @@ pub(super) fn in_contact(
         side_by_side(batch, starts)
     })?;
     let fibers = Fibers::new(assembly, groups, keeps_ledger);
-    Ok(FibersInContact::new(settings.clone(), fibers, around)?)
+    Ok(FibersInContact::new(settings.clone(), fibers, around, joints)?)
 }
 
 /// The fibres of an assembly in its groups, each group as `batch` makes it.

@@ -4,8 +4,10 @@ use super::batch::{rods, side_by_side};
 use super::groups::groups;
 use super::start::FiberStart;
 use crate::SimError;
-use crate::scene::{JointHold, JointPlace, RodMethod, Scene};
-use rapunzel_coupling::{Connection, FiberPlace, Fibers, JoinedFibers, NodeJoint};
+use crate::scene::{JointHold, JointPlace, ObjectJoint, RodMethod, Scene};
+use rapunzel_coupling::{
+    BallJoint, Connection, FiberPlace, Fibers, JoinedFibers, JointPartner, NodeJoint,
+};
 use rapunzel_fiber::Assembly;
 use rapunzel_rod_dynamic::StaggeredBatch;
 use std::f64::consts::TAU;
@@ -31,6 +33,26 @@ pub(super) fn joined(
     Ok(JoinedFibers::new(Fibers::new(assembly, groups, keeps_ledger), &joints)?)
 }
 
+/// All joints of fibres in contact.
+pub(super) fn ball_joints(scene: &Scene, starts: &[FiberStart]) -> Vec<BallJoint> {
+    let listed = scene.joints.iter().enumerate().map(|(i, joint)| BallJoint {
+        name: format!("joints[{i}]"),
+        place: place(starts, joint.first),
+        partner: JointPartner::Fiber(place(starts, joint.second)),
+    });
+    let of_objects = scene.object_joints.iter().enumerate();
+    let of_objects = of_objects.map(|(i, &ObjectJoint { fiber, at, object })| BallJoint {
+        name: format!("object_joints[{i}]"),
+        place: place(starts, JointPlace { fiber, at }),
+        partner: JointPartner::Object(object),
+    });
+    listed.chain(of_objects).collect()
+}
+
+fn place(starts: &[FiberStart], JointPlace { fiber, at }: JointPlace) -> FiberPlace {
+    FiberPlace { fiber, node: at.number(starts[fiber].rod.fiber.segments()) }
+}
+
 /// All joints: of closed fibres, then those that are listed.
 fn joints(scene: &Scene, starts: &[FiberStart]) -> Vec<NodeJoint> {
     let closed = starts.iter().enumerate().filter_map(|(fiber, start)| {
@@ -44,11 +66,7 @@ fn joints(scene: &Scene, starts: &[FiberStart]) -> Vec<NodeJoint> {
         })
     });
     let listed = scene.joints.iter().enumerate().map(|(i, joint)| {
-        let place = |JointPlace { fiber, at }: JointPlace| {
-            let segments = starts[fiber].rod.fiber.segments();
-            FiberPlace { fiber, node: at.number(segments) }
-        };
-        let places = [place(joint.first), place(joint.second)];
+        let places = [joint.first, joint.second].map(|own| place(starts, own));
         let [a, b] = places.map(|place| starts[place.fiber].rod.damping_time);
         let connection = match joint.hold {
             JointHold::Ball => Connection::Ball,

@@ -19,7 +19,7 @@ use crate::{Plan, SimError, World};
 use batch::batch;
 pub(crate) use groom::strand_count;
 use groups::{assembly, at_start, groups, in_contact};
-use joined::joined;
+use joined::{ball_joints, joined};
 use natural::give_natural_shapes;
 use rapunzel_charging::{ChargedRods, HeadGeometry};
 use rapunzel_coupling::{CollisionObject, Fibers};
@@ -101,7 +101,7 @@ fn stepper(
     }
     let keeps_ledger = scene.output.ledger || scene.stepper.may_create_energy();
     let tells_ledger = scene.output.ledger;
-    if scene.has_joints() {
+    if scene.has_joints() && scene.contact.is_none() {
         let fibers = joined(scene, starts, assembly, keeps_ledger)?;
         return Ok(Box::new(Joined { fibers, scenery, tells_ledger }));
     }
@@ -115,7 +115,9 @@ fn stepper(
     let count = objects.len();
     let mut around = at_start(scene, objects);
     let method = scene.stepper.method();
-    let fibers = in_contact(settings, method, starts, assembly, keeps_ledger, &mut around)?;
+    let joints = ball_joints(scene, starts);
+    let fibers =
+        in_contact(settings, (method, keeps_ledger), starts, assembly, &joints, &mut around)?;
     Ok(Box::new(InContact { fibers, scenery, tells_ledger, objects: count }))
 }
 

@@ -138,5 +138,6 @@ fn bearing(
     starts: &[FiberStart],
     around: &mut Surroundings<'_>,
 ) -> Result<FibersInContact, SimError> {
-    in_contact(settings, RodMethod::BackwardEuler, starts, assembly(starts), false, around)
+    let how = (RodMethod::BackwardEuler, false);
+    in_contact(settings, how, starts, assembly(starts), &[], around)
 }

@@ -7,6 +7,7 @@ mod residuals;
 mod rolling;
 mod sides;
 
+use super::ball_joints::JointPoint;
 use super::group_body::{DelassusCache, GroupBody};
 use super::laws::ContactLaws;
 use super::node_arrays::FiberVelocities;
@@ -46,6 +47,8 @@ pub(super) struct ContactProblem {
     /// Where the contacts are; with gaps and impulses when they were listed, until
     /// [`ContactProblem::give_impulses`] and [`ContactProblem::set_gaps`].
     points: Vec<ContactPoint>,
+    /// How many of them are listed: all that follow are joints.
+    listed: usize,
     laws: Vec<ContactParameters>,
     /// Impulses, N s, in the frames of the contacts.
     impulses: Vec<Vector3<f64>>,
@@ -81,10 +84,10 @@ impl ContactProblem {
     /// The contacts of a step of `dt` seconds, whose contact points have their gaps where fibres
     /// have the given mean velocities. What gives way has done so already under impulses as those
     /// of the step `before`, N s, world: along tangents only the rest of them moves it; along
-    /// normals the gap tells.
+    /// normals the gap tells. Joints close.
     pub(super) fn new(
         system: &CoupledSystem,
-        mut points: Vec<ContactPoint>,
+        (mut points, joints): (Vec<ContactPoint>, Vec<JointPoint>),
         mean: &FiberVelocities,
         dt: f64,
         laws: &ContactLaws,
@@ -140,18 +143,27 @@ impl ContactProblem {
         let pulls =
             laws.adhesion(system.fibers.assembly(), &points, own.iter().map(|law| law.gap))?;
         own.iter_mut().zip(pulls).for_each(|(law, pull)| law.adhesion = pull);
+        let listed = points.len();
+        for JointPoint { point, gap } in joints {
+            let frame = point.frame();
+            own.push(ContactParameters::joint(&point, gap / dt - mean.between(&point)));
+            impulses.push(frame.tr_mul(&point.impulse));
+            points.push(point);
+        }
         let acts = |point: &ContactPoint| point.working || point.impulse != Vector3::zeros();
         let openings = (points.len() > nodes.len()).then(|| {
             let speeds = points.par_iter().zip(&own).map(|(point, law)| {
-                let always = acts(point) || law.adhesion > 0.0;
+                let always = acts(point) || law.adhesion > 0.0 || law.is_joint();
                 if always { ALWAYS } else { point.gap / dt + law.bias.x - law.gap }
             });
             ContactCulling::new(system, &points, speeds.collect(), nodes)
         });
         let segments =
             system.fibers.assembly().fibers().iter().map(|f| f.mass() / f.segments() as f64);
-        let working: Vec<usize> =
-            (0..points.len()).into_par_iter().filter(|&i| acts(&points[i])).collect();
+        let working: Vec<usize> = (0..points.len())
+            .into_par_iter()
+            .filter(|&i| i >= listed || acts(&points[i]))
+            .collect();
         let pushes = working.iter().map(|&i| points[i].impulse).collect();
         let mass = segments.fold(f64::INFINITY, f64::min);
         let masses = vec![ErrorMasses::from(mass); points.len()];
@@ -159,6 +171,7 @@ impl ContactProblem {
         let (error, kept) = (None, vec![Vec::new(); system.fibers.groups.len()]);
         Ok(Self {
             points,
+            listed,
             laws: own,
             impulses,
             before,
@@ -174,13 +187,14 @@ impl ContactProblem {
     }
 
     /// Takes the problem apart: its contact points, and its workspace for the next.
-    pub(super) fn into_parts(self) -> (Vec<ContactPoint>, ProblemWorkspace) {
+    pub(super) fn into_parts(mut self) -> (Vec<ContactPoint>, ProblemWorkspace) {
+        self.points.truncate(self.listed);
         (self.points, ProblemWorkspace { laws: self.laws, solved: self.solved })
     }
 
-    /// The contact points.
+    /// The contact points, without joints.
     pub(super) fn points(&self) -> &[ContactPoint] {
-        &self.points
+        &self.points[..self.listed]
     }
 
     /// What the last iteration left, in tolerances; `None` before the first.
@@ -329,13 +343,15 @@ impl ContactProblem {
     }
 
     /// Writes the impulses into the contact points, and which of them the solver looked at last.
-    pub(super) fn give_impulses(&mut self) {
+    /// Returns those of joints, N s, world.
+    pub(super) fn give_impulses(&mut self) -> Vec<Vector3<f64>> {
         self.points.par_iter_mut().for_each(|point| {
             (point.impulse, point.working) = (Vector3::zeros(), false);
         });
         for (&i, push) in self.working.iter().zip(&self.pushes) {
             (self.points[i].impulse, self.points[i].working) = (*push, true);
         }
+        self.points[self.listed..].iter().map(|joint| joint.impulse).collect()
     }
 
     /// Whether a contact bears something, pulls, or closes where things are so fast.
@@ -343,6 +359,7 @@ impl ContactProblem {
         let law = &self.laws[i];
         self.impulses[i] != Vector3::zeros()
             || law.adhesion > 0.0
+            || law.is_joint()
             || law.opening(&self.points[i], velocities) < 0.0
     }
 }

@@ -15,6 +15,18 @@ pub(super) struct ContactParameters {
 }
 
 impl ContactParameters {
+    /// A joint at a contact point, with what its relative velocity must be, m/s, world, for it to
+    /// be closed at the end of the step: the opposite of `bias`.
+    pub(super) fn joint(point: &ContactPoint, bias: Vector3<f64>) -> Self {
+        let bias = point.frame().tr_mul(&bias);
+        let (friction, gap) = (LimitCurve::Joint, bias.x);
+        Self { bias, friction, adhesion: 0.0, compliance: 0.0, gap }
+    }
+
+    pub(super) fn is_joint(&self) -> bool {
+        self.friction == LimitCurve::Joint
+    }
+
     /// The contact of a contact point, as a solver takes it, between two points.
     pub(super) fn contact(&self, point: &ContactPoint, [first, second]: [usize; 2]) -> Contact {
         Contact {

@@ -20,9 +20,9 @@ const RESIDUAL_CHUNK: usize = 1024;
 const MUCH: f64 = 0.1;
 
 impl ContactProblem {
-    /// Number of contacts that bear something.
+    /// Number of contacts that bear something, without joints.
     pub(crate) fn active(&self) -> usize {
-        self.working.par_iter().filter(|&&i| self.bears(i)).count()
+        self.working.par_iter().filter(|&&i| i < self.listed && self.bears(i)).count()
     }
 
     fn bears(&self, contact: usize) -> bool {
@@ -80,6 +80,11 @@ impl ContactProblem {
             let point = &self.points[i];
             let (contact, velocity, impulse, _) = self.judged(i, &mean);
             let drive = contact.frame.tr_mul(&point.drive());
+            if contact.is_joint() {
+                let kinematic = impulse.dot(&drive);
+                let repair = impulse.dot(&contact.frame.tr_mul(&mean.between(point))) - kinematic;
+                return ContactWork { repair, kinematic, ..Default::default() };
+            }
             let before = self.before.get(i).map_or(Vector3::zeros(), |b| contact.frame.tr_mul(b));
             let given = (before - impulse) * contact.compliance;
             let back = contact.frame.tr_mul(&point.undone(dt, slip)).yz();
@@ -130,7 +135,7 @@ impl ContactProblem {
     ) -> bool {
         let velocities = Velocities::new(system, mean);
         let given = |i: usize| {
-            if self.points[i].drive() != Vector3::zeros() {
+            if self.points[i].drive() != Vector3::zeros() || i >= self.listed {
                 return 0.0;
             }
             let (contact, velocity, impulse, _) = self.judged(i, &velocities);
@@ -195,7 +200,9 @@ impl ContactProblem {
             let drift = contact.frame * Vector3::new(0.0, drift.x, drift.y);
             (drift, if sticks { speed } else { 0.0 }, sticks || speed <= slip)
         };
-        let found: Vec<_> = self.working.par_iter().map(of_one).collect();
+        // Joints come last.
+        let contacts = &self.working[..self.working.partition_point(|&i| i < self.listed)];
+        let found: Vec<_> = contacts.par_iter().map(of_one).collect();
         let mut largest = 0.0_f64;
         for (&i, (drift, creep, rests)) in self.working.iter().zip(found) {
             (self.points[i].drift, self.points[i].rests) = (drift, rests);
@@ -212,7 +219,8 @@ impl ContactProblem {
         mean: &FiberVelocities,
         dt: f64,
     ) -> Vec<ContactPoint> {
-        let near = self.near_where(system, &mean.nodes);
+        let mut near = self.near_where(system, &mean.nodes);
+        near.retain(|&i| i < self.listed);
         let mean = Velocities::new(system, mean);
         let one = |&i: &usize| ContactPoint { gap: self.gap(i, &mean, dt), ..self.points[i] };
         near.par_iter().map(one).collect()

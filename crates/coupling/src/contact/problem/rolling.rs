@@ -33,8 +33,12 @@ impl ContactProblem {
         let start = system.fibers.velocities(StepVelocity::Start);
         let (start, mean) = (Velocities::before(system, &start), Velocities::new(system, mean));
         let led: Vec<_> = system.objects.iter().map(|object| object.led_spin(step)).collect();
-        let bearing: Vec<usize> =
-            self.working.iter().copied().filter(|&i| self.impulses[i].x > 0.0).collect();
+        let bearing: Vec<usize> = self
+            .working
+            .iter()
+            .copied()
+            .filter(|&i| i < self.listed && self.impulses[i].x > 0.0)
+            .collect();
         let fibers = system.fibers.assembly().fibers().len();
         let number = |side: BodyRef| match side {
             BodyRef::Fiber(fiber) => fiber as usize,

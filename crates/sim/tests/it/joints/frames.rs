@@ -113,6 +113,9 @@ fn joints_that_make_no_sense_are_refused() {
           root_joint: Free, closed: ())"
     );
     let contact = "contact: (friction: Isotropic(0.3))";
+    let on_objects =
+        |at: &str| format!("{contact}, object_joints: [(fiber: 0, at: {at}, object: 0)]");
+    let ring = open.replace("0.62", "0.6283185307179586");
     let cases = [
         (&*two, twice, "", "joints[1] joins what joints[0] joins already"),
         (&*two, joint("Ball", "Tip", "Node(3)"), "", "joints[0] starts open by 3.00e-2 m"),
@@ -120,7 +123,27 @@ fn joints_that_make_no_sense_are_refused() {
         (&*two, joint("Spliced", "Root", "Root"), "", "joints[0].hold: is Spliced"),
         (&*two, joint("Ball", "Node(11)", "Root"), "", "joints[0].first.at: is 11"),
         (&*two, good.replace("fiber: 1", "fiber: 2"), "", "joints[0].second.fiber: is 2"),
-        (&*two, good, contact, "contact: cannot be given where fibres are joined"),
+        (
+            &*two,
+            good,
+            contact,
+            "joints[0].hold: is Spliced, but with `contact` joints must be Ball",
+        ),
+        (
+            &*two,
+            String::new(),
+            "object_joints: [(fiber: 0, at: Tip, object: 0)]",
+            "object_joints: needs",
+        ),
+        (&*held, String::new(), &*on_objects("Root"), "object_joints[0]: is a root that is held"),
+        (&*two, String::new(), &*on_objects("Node(11)"), "object_joints[0].at: is 11"),
+        (
+            &*two,
+            String::new(),
+            &*on_objects("Tip"),
+            "object_joints[0].object: is 0, but there is no",
+        ),
+        (&*ring, String::new(), contact, "fibers[0].closed: cannot be given with `contact`"),
         (&*open, String::new(), "", "fibre 0 of fibers[0], which is closed, starts open by"),
     ];
     for (fibers, joints, more, told) in cases {

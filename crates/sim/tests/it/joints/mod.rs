@@ -1,9 +1,11 @@
 //! Fibres that are joined to each other.
 
 mod balls;
+mod braid;
 mod frames;
 mod rings;
 mod splices;
+mod touching;
 
 use crate::common::Run;
 
