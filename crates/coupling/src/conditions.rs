@@ -156,6 +156,7 @@ impl Conditions for StepConditions<'_> {
             root: root_joint.end(t, motion.displacement(t, &start) * self.fiber.root),
             tip: self.fiber.gripped(t).unwrap_or(tip),
             air: drag.map(|drag| Air { wind: environment.wind.at(t), drag }),
+            inside: 0.0,
         }
     }
 }

@@ -31,6 +31,6 @@ pub use response::{ImpulseResponse, Impulses, Point, PointResponses};
 pub use rod::{Energy, Momentum, Rod, RodIntegrator, RodState, RodStepReport, SectionLaws};
 pub use staggered::{
     EquilibriumError, FittedFiber, Staggered, StaggeredBatch, bounded_natural_curvatures,
-    equilibrium, expected_error, fitted, fitted_end_load, natural_curvatures,
+    equilibrium, expected_error, fitted, fitted_end_load, natural_curvatures, segments_in_nozzle,
 };
 pub use support::{EndSupport, Restraint};

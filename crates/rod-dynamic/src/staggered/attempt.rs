@@ -111,6 +111,7 @@ impl<S: Simd> BatchAttempts for SimdBatch<S> {
                 if problem == StepProblem::Step {
                     pack.look_ahead(&stage, wanted);
                 }
+                pack.hold_in_nozzles(wanted);
                 pack.prepare(&stage);
                 pack.begin_laws();
                 pack.chain.newton(wanted, &pack.held, problem == StepProblem::Rest, out);

@@ -59,6 +59,7 @@ impl<S: Simd> BatchCoupledStep for SimdBatch<S> {
                 if self.0.problem == StepProblem::Step {
                     self.0.look_ahead(&stage, &[true; LANES]);
                 }
+                self.0.hold_in_nozzles(&[true; LANES]);
                 self.0.prepare(&stage);
                 self.0.begin_laws();
                 self.0.chain.shape();

@@ -42,6 +42,7 @@ mod memory;
 mod model;
 mod natural;
 mod newton;
+mod nozzle;
 mod outset;
 mod readout;
 mod response;
@@ -60,5 +61,6 @@ pub use equilibrium::{EquilibriumError, equilibrium};
 pub use natural::{
     FittedFiber, bounded_natural_curvatures, fitted, fitted_end_load, natural_curvatures,
 };
+pub use nozzle::segments_in_nozzle;
 pub use search::expected_error;
 pub use single::Staggered;
