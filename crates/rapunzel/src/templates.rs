@@ -28,6 +28,7 @@ templates![
     "contact/head",
     "contact/turned-head",
     "contact/wrapped",
+    "contact/coiling",
     "contact/plectoneme",
     "charge/tress",
     "charge/tress-without-gravity",

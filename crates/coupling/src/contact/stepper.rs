@@ -220,6 +220,7 @@ impl ContactStepper {
         last: bool,
     ) -> Result<(), SubstepFailure> {
         let (time, dt) = (part.time, part.dt);
+        self.detector.hide(system.in_nozzles(time + dt));
         let mut laps = PhaseTimer::start(self.stopwatch);
         system.push(expected.pushes(), time, dt)?;
         system.fibers.with_impulses(&part.all(), expected.pushes(), |group, own| {
