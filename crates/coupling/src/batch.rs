@@ -25,8 +25,8 @@ pub trait RodBatch: Send + Sync {
     /// # Errors
     /// [`RodError`] for forces that are not finite or not one a node.
     fn set_node_forces(&mut self, lane: usize, forces: &[Vector3<f64>]) -> Result<(), RodError>;
-    /// Holds an inner node of the rod in a lane at a place (m, world) at the end of the next step, of
-    /// `dt` (s), or lets it go.
+    /// Holds an inner node of the rod in a lane at a place (m, world) at the end of the next step,
+    /// of `dt` (s), or lets it go.
     ///
     /// # Errors
     /// [`RodError`] if the integrator cannot hold it.

@@ -122,9 +122,9 @@ impl<B: RodBatch + ?Sized> Fibers<B> {
     /// its root, on the fibre at time `t` (s), world frame; zero at a free end.
     ///
     /// They balance the segment and the joint at the end, and the weight of half of that segment
-    /// and the forces on its node. The inertia of that half is left out, and so is the air on it. Of
-    /// a fibre that is fed through a nozzle that of the root is the force at the mouth, but for what
-    /// speeds up the part inside.
+    /// and the forces on its node. The inertia of that half is left out, and so is the air on it.
+    /// Of a fibre that is fed through a nozzle that of the root is the force at the mouth, but for
+    /// what speeds up the part inside.
     ///
     /// # Panics
     /// If there is no such fibre, as indexing does.

@@ -71,7 +71,8 @@ impl<B: RodBatch + ?Sized> FiberGroup<B> {
         }
     }
 
-    /// Holds inner nodes that are gripped where they are to be after the step from `time` by `dt`, s.
+    /// Holds inner nodes that are gripped where they are to be after the step from `time` by `dt`,
+    /// s.
     fn hold_nodes(&mut self, time: f64, dt: f64) -> Result<(), StepError> {
         for (lane, conditions) in self.lanes.iter().enumerate() {
             // One that is let go may be held by another gripper.

@@ -78,8 +78,8 @@ pub struct Bundle {
     /// Boundary condition at the tips.
     #[serde(default)]
     pub tip: Tip,
-    /// Grippers that take tips, free roots or inner nodes and let them go, for each node in the order
-    /// of time.
+    /// Grippers that take tips, free roots or inner nodes and let them go, for each node in the
+    /// order of time.
     #[serde(default)]
     pub grippers: Vec<Gripper>,
     /// Closes each fibre to a ring; root and tip must then be free.

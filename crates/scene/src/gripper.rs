@@ -8,14 +8,15 @@ use nalgebra::{Isometry3, Point3};
 use rapunzel_rod_dynamic as rod;
 use serde::{Deserialize, Serialize};
 
-/// A gripper that takes a node of each fibre of a bundle at a time, as it is then, and lets it go at
-/// another: it is rigid, where a hand of `grips` is a spring. Until it takes and after it lets go
-/// tips are as `tip` says, and roots, which must be free, as `root_joint` does.
+/// A gripper that takes a node of each fibre of a bundle at a time, as it is then, and lets it go
+/// at another: it is rigid, where a hand of `grips` is a spring. Until it takes and after it lets
+/// go tips are as `tip` says, and roots, which must be free, as `root_joint` does.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Gripper {
     /// The node that it takes; left out, the tip. An inner one is held by its place alone, by a
-    /// spring that gives way to a force as the node with ten thousand times its mass would in a step.
+    /// spring that gives way to a force as the node with ten thousand times its mass would in a
+    /// step.
     #[serde(default = "tip")]
     pub node: JointNode,
     /// Time at which it takes, s; it takes effect at the nearest step.

@@ -36,8 +36,8 @@ pub(crate) struct ContactDetector {
     /// Fibres that grow out of objects, by their numbers, in order: their first segments do not
     /// touch these.
     rooted: Vec<[u32; 2]>,
-    /// Number of segments, from the root on, of each fibre that are inside a nozzle, where they touch
-    /// nothing; empty where none is fed.
+    /// Number of segments, from the root on, of each fibre that are inside a nozzle, where they
+    /// touch nothing; empty where none is fed.
     in_nozzles: Vec<usize>,
 }
 

@@ -34,8 +34,8 @@ impl<'a> CoupledSystem<'a> {
         free.fold(fibers, |sum, energy| sum + energy.kinetic)
     }
 
-    /// Number of segments of each fibre that are inside a nozzle at time `t`, s; empty where no fibre
-    /// is fed.
+    /// Number of segments of each fibre that are inside a nozzle at time `t`, s; empty where no
+    /// fibre is fed.
     pub(super) fn in_nozzles(&self, t: f64) -> Vec<usize> {
         let lanes =
             || self.fibers.groups.iter().flat_map(|group| group.fibers.iter().zip(&group.lanes));

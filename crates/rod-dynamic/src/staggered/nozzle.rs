@@ -21,8 +21,8 @@ const LEAST: f64 = 1.0 / 64.0;
 /// Stiffness of a frame that is held, N m: a torque turns it by nothing.
 const HELD: f64 = 1e30;
 
-/// Number of segments of a fibre, from the root on, whose frames a nozzle holds; `lengths` are those
-/// of all segments, m, and `inside` is the length of the fibre that is inside, m.
+/// Number of segments of a fibre, from the root on, whose frames a nozzle holds; `lengths` are
+/// those of all segments, m, and `inside` is the length of the fibre that is inside, m.
 #[must_use]
 pub fn segments_in_nozzle(lengths: &[f64], inside: f64) -> usize {
     let mut arc = 0.0;
@@ -96,8 +96,8 @@ impl<S: Simd> RotationChain<S> {
         self.nozzle.as_ref().map(|nozzle| Lane::new(self.simd, nozzle.outside[a]))
     }
 
-    /// 1 where segment `e` is outside of the nozzle, 0 where its frame is held; `None` where all are
-    /// outside.
+    /// 1 where segment `e` is outside of the nozzle, 0 where its frame is held; `None` where all
+    /// are outside.
     #[inline(always)]
     pub(super) fn loose(&self, e: usize) -> Option<Lane<S>> {
         self.nozzle.as_ref().map(|nozzle| Lane::new(self.simd, nozzle.loose[e]))

@@ -135,8 +135,8 @@ fn a_bent_rod_is_pushed_out_by_its_moment() {
         let push = -sum.supports / (sign * way);
         let right = moment.powi(2) / (2.0 * bending());
         println!("pushed by {push:e} N for {right:e} N");
-        // A segment is let go, or held, a 64th of a joint early: twice that part of a joint's energy
-        // is lost, as its angle is too large by so much, and is found anew.
+        // A segment is let go, or held, a 64th of a joint early: twice that part of a joint's
+        // energy is lost, as its angle is too large by so much, and is found anew.
         assert!((push / right - 1.0).abs() < 2.0 / 64.0, "{push:e} for {right:e}");
         // Its curvature is that of the moment up to the mouth, where a joint is short.
         let state = batch.state(0);

@@ -42,7 +42,8 @@ fn a_thread_is_lowered_and_drawn_in() {
             assert!((tip - (1.0 - outside)).abs() < 1e-12, "{tip}");
         }
         assert!(books.whole() < 1e-10, "{:e}", books.whole());
-        // In all, 2 cm against the load and the weight of what has gone in, and the change of speed.
+        // In all, 2 cm against the load and the weight of what has gone in, and the change of
+        // speed.
         let supports = books.run.world.ledger().expect("kept").supports;
         let mass = 1000.0 * PI * 5e-4_f64.powi(2) * 0.2;
         let kinetic = 0.5 * mass * (0.24_f64.powi(2) - 0.2_f64.powi(2));

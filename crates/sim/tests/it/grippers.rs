@@ -61,8 +61,8 @@ fn a_falling_fibre_is_taken_and_let_go() {
 }
 
 /// A fibre that falls is taken by its middle, which stops and stays but for what the gripper gives
-/// way to, whatever the ends do, and let go; with contact it is the same. Books close, and from where
-/// it was saved while it was held it goes on to the same bits.
+/// way to, whatever the ends do, and let go; with contact it is the same. Books close, and from
+/// where it was saved while it was held it goes on to the same bits.
 #[test]
 fn a_falling_fibre_is_taken_by_its_middle() {
     for contact in [
