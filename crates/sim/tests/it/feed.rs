@@ -2,8 +2,8 @@
 
 use crate::common::Run;
 use crate::common::books::Books;
-use rapunzel_sim::Scene;
-use std::f64::consts::PI;
+use rapunzel_sim::{Scene, World};
+use std::f64::consts::{PI, TAU};
 
 const MATTER: &str = "segments: 20, section: Circle(radius: 5e-4),
     material: Elastic(density: 1000.0, youngs_modulus: 1e7, shear_modulus: 4e6)";
@@ -52,6 +52,76 @@ fn a_thread_is_lowered_and_drawn_in() {
         let room = 0.2 * load * 2.5e-3 + mass * 0.44_f64.powi(2);
         assert!((supports - right).abs() < room, "{supports:e} for {right:e}, {room:e}");
     }
+}
+
+fn coiling(extra: &str) -> String {
+    format!(
+        "(format: 1, duration: 3.0, fibers: [(length: 0.4, segments: 100,
+            section: Circle(radius: 8e-4),
+            material: Elastic(density: 1180.0, youngs_modulus: 1.3e6, shear_modulus: 4.3e5),
+            damping_time: 5e-3,
+            root: (position: (0, 0, 0.06), orientation: Along(direction: (0.02, 0.01, -1))),
+            feed: Some((inside: 0.35, rate: 0.1)))],
+        objects: [(shape: Plane(normal: (0, 0, 1)) {extra})],
+        contact: (friction: Isotropic(0.6)), environment: (viscosity: 1.8e-5),
+        stepper: (dt: 5e-3), output: (frame_rate: 20.0))"
+    )
+}
+
+/// A rod that is fed onto a floor lies down in coils of the size that weight and stiffness give it,
+/// and nothing of it goes through the floor; from what is saved in the midst of that it goes on to
+/// the same bits.
+#[test]
+fn a_rod_coils_on_a_floor() {
+    let text = coiling("");
+    let mut run = Run::read(&text);
+    let mut saved = None;
+    let (mut angle, mut before) = (0.0, 0.0);
+    let landed = 0.7;
+    while run.world.time() < 3.0 - 1e-9 {
+        run.step();
+        let nodes = run.positions(0);
+        let lowest = nodes.iter().map(|node| node.z).fold(f64::INFINITY, f64::min);
+        assert!(lowest > 0.75 * 8e-4, "{lowest}");
+        if saved.is_none() && run.world.time() > 1.5 {
+            saved = Some(run.world.snapshot());
+        }
+        // The way it is laid down turns.
+        let touch = (1..=100).find(|&a| nodes[a].z < 3.0 * 8e-4);
+        if let (Some(a), true) = (touch, run.world.time() > landed) {
+            let along = nodes[a] - nodes[a - 1];
+            let now = along.y.atan2(along.x);
+            angle += (now - before + PI).rem_euclid(TAU) - PI;
+            before = now;
+        }
+    }
+    // 0.23 m in circles of about 19 mm, the first of them still on its way.
+    let turns = (angle / TAU).abs();
+    println!("{turns} turns");
+    assert!((0.7..3.0).contains(&turns), "{turns}");
+    let mut again = World::build(&Scene::from_ron(&text).expect("a scene")).expect("a world");
+    again.restore(&saved.expect("saved")).expect("own numbers");
+    while again.time() < 3.0 - 1e-9 {
+        again.step(run.dt).expect("a step");
+    }
+    assert!(again.state(0) == run.world.state(0));
+}
+
+/// On a belt as fast as the feed it lies down straight.
+#[test]
+fn a_rod_is_laid_on_a_belt() {
+    let belt = ", motion: Translate(velocity: (0.1, 0, 0), until: 9.0)";
+    let mut run = Run::read(&coiling(belt));
+    while run.world.time() < 3.0 - 1e-9 {
+        run.step();
+    }
+    let nodes = run.positions(0);
+    // What was laid down before it had found its way apart.
+    let laid: Vec<_> = nodes.iter().filter(|node| node.z < 1e-3).take(30).collect();
+    assert!(laid.len() == 30, "{nodes:?}");
+    let (first, last) = (laid[0], laid[29]);
+    let aside = laid.iter().map(|node| (node.y - first.y).abs()).fold(0.0, f64::max);
+    assert!(aside < 5e-3 && (last.x - first.x) > 0.9 * 29.0 * 4e-3, "{aside} {first} {last}");
 }
 
 /// The template is fed, with contact.
