@@ -8,7 +8,7 @@ use syn::{Attribute, Fields, Item, Meta};
 use xshell::Shell;
 
 /// Where the types are, in the order of the reference.
-const SOURCES: [&str; 23] = [
+const SOURCES: [&str; 24] = [
     "lib",
     "environment",
     "fibers",
@@ -19,6 +19,7 @@ const SOURCES: [&str; 23] = [
     "tip",
     "freedom",
     "load",
+    "feed",
     "gripper",
     "motion",
     "object",

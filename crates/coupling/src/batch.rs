@@ -1,9 +1,13 @@
 use crate::StepReport;
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
 use rapunzel_rod_dynamic::{
     self as rod, Conditions, Energy, Ledger, Momentum, RodError, RodIntegrator, RodState,
     SectionLaws, StaggeredBatch, StepError, adaptive,
 };
+
+/// How much more a gripper resists what moves an inner node than the node's inertia does in a step:
+/// forces are differences of its own, and lose as many digits.
+const STIFF: f64 = 1e4;
 
 /// Rods that are stepped together: one in each lane.
 pub trait RodBatch: Send + Sync {
@@ -21,6 +25,18 @@ pub trait RodBatch: Send + Sync {
     /// # Errors
     /// [`RodError`] for forces that are not finite or not one a node.
     fn set_node_forces(&mut self, lane: usize, forces: &[Vector3<f64>]) -> Result<(), RodError>;
+    /// Holds an inner node of the rod in a lane at a place (m, world) at the end of the next step,
+    /// of `dt` (s), or lets it go.
+    ///
+    /// # Errors
+    /// [`RodError`] if the integrator cannot hold it.
+    fn hold_node(
+        &mut self,
+        lane: usize,
+        node: usize,
+        place: Option<Point3<f64>>,
+        dt: f64,
+    ) -> Result<(), RodError>;
     /// Gives the sections of the rod in a lane other laws.
     ///
     /// # Errors
@@ -66,6 +82,19 @@ impl RodBatch for StaggeredBatch {
 
     fn set_node_forces(&mut self, lane: usize, forces: &[Vector3<f64>]) -> Result<(), RodError> {
         self.set_node_forces(lane, forces)
+    }
+
+    fn hold_node(
+        &mut self,
+        lane: usize,
+        node: usize,
+        place: Option<Point3<f64>>,
+        dt: f64,
+    ) -> Result<(), RodError> {
+        let fiber = &self.rods()[lane].fiber;
+        let mass = 0.5 * (fiber.segment_mass(node - 1) + fiber.segment_mass(node));
+        let stiffness = if place.is_some() { STIFF * mass / (dt * dt) } else { 0.0 };
+        self.set_node_spring(lane, node, stiffness, &place.unwrap_or_default())
     }
 
     fn set_laws(&mut self, lane: usize, laws: SectionLaws) -> Result<(), RodError> {
@@ -147,6 +176,17 @@ impl<I: RodIntegrator + Sync> RodBatch for Rods<I> {
 
     fn set_node_forces(&mut self, lane: usize, forces: &[Vector3<f64>]) -> Result<(), RodError> {
         self.rods[lane].set_node_forces(forces)
+    }
+
+    fn hold_node(
+        &mut self,
+        _: usize,
+        _: usize,
+        _: Option<Point3<f64>>,
+        _: f64,
+    ) -> Result<(), RodError> {
+        let why = "rods that are stepped one after another hold no inner nodes";
+        Err(RodError::Invalid { what: "node", why })
     }
 
     fn set_laws(&mut self, _: usize, _: SectionLaws) -> Result<(), RodError> {

@@ -60,7 +60,7 @@ pub struct FiberConditions {
     pub tip: Isometry3<f64>,
     /// Load on the tip where the bundle leaves it free.
     pub end_load: End,
-    /// Poses at which the grippers of the bundle have taken the tip, each while it holds.
+    /// Poses at which the grippers of the bundle have taken their nodes, each while it holds.
     pub taken: Vec<Option<Isometry3<f64>>>,
     /// Forces of hands on nodes, N, world; `None` as long as there never was a hand.
     pub pulls: Option<Vec<(usize, Vector3<f64>)>>,
@@ -87,26 +87,51 @@ impl FiberConditions {
         self.during(t).at(t)
     }
 
-    /// Poses at which the grippers of the bundle hold the tip, `None` of those that do not.
+    /// Length of the fibre that is inside a nozzle at time `t` (s), m.
+    pub(crate) fn inside(&self, t: f64) -> f64 {
+        self.bundle.bundle.feed.as_ref().map_or(0.0, |feed| feed.inside(t))
+    }
+
+    /// Whether the fibre is fed through a nozzle.
+    pub(crate) fn is_fed(&self) -> bool {
+        self.bundle.bundle.feed.is_some()
+    }
+
+    /// Poses at which the grippers of the bundle hold their nodes, `None` of those that do not.
     pub(crate) fn grips(&self) -> impl Iterator<Item = Option<Isometry3<f64>>> {
         let count = self.bundle.bundle.grippers.len();
         (0..count).map(|i| self.taken.get(i).copied().flatten())
     }
 
-    /// Lets grippers take the tip for the step whose middle is at a time, s, if they have not yet,
-    /// and let it go; `tip` tells its pose.
-    pub(crate) fn grip(&mut self, middle: f64, tip: impl Fn() -> Isometry3<f64>) {
+    /// Lets grippers take their nodes for the step whose middle is at a time, s, if they have not
+    /// yet, and let them go; `pose` tells that of a node by its number.
+    pub(crate) fn grip(&mut self, middle: f64, pose: impl Fn(usize) -> Isometry3<f64>) {
         let grippers = &self.bundle.bundle.grippers;
         self.taken.resize(grippers.len(), None);
         for (gripper, taken) in grippers.iter().zip(&mut self.taken) {
-            *taken = gripper.holds(middle).then(|| taken.unwrap_or_else(&tip));
+            let node = gripper.node.number(self.segments);
+            *taken = gripper.holds(middle).then(|| taken.unwrap_or_else(|| pose(node)));
         }
     }
 
-    /// The end that a gripper makes of the tip at time `t`, s, if one holds it.
-    fn gripped(&self, t: f64) -> Option<End> {
-        let mut all = self.bundle.bundle.grippers.iter().zip(&self.taken);
-        all.find_map(|(gripper, taken)| Some(gripper.end(t, taken.as_ref()?)))
+    /// The end that a gripper makes of a tip or root, by its node, at time `t`, s, if one holds it.
+    fn gripped(&self, node: usize, t: f64) -> Option<End> {
+        let all = self.bundle.bundle.grippers.iter().zip(&self.taken);
+        let mut own = all.filter(|(gripper, _)| gripper.node.number(self.segments) == node);
+        own.find_map(|(gripper, taken)| Some(gripper.end(t, taken.as_ref()?)))
+    }
+
+    /// The inner nodes of grippers, and the places where these hold them at time `t`, s; `None` of
+    /// those that do not.
+    pub(crate) fn gripped_nodes(
+        &self,
+        t: f64,
+    ) -> impl Iterator<Item = (usize, Option<Point3<f64>>)> {
+        let all = self.bundle.bundle.grippers.iter().zip(&self.taken);
+        all.filter_map(move |(gripper, taken)| {
+            let place = taken.as_ref().map(|taken| gripper.place(t, taken));
+            Some((gripper.inner_node(self.segments)?, place))
+        })
     }
 
     /// The forces on all nodes at time `t` (s), N, world; `None` if there are none.
@@ -128,8 +153,10 @@ impl FiberConditions {
 impl Conditions for StepConditions<'_> {
     fn at(&self, t: f64) -> Instant {
         let BundleConditions { bundle, environment, drag, .. } = &*self.fiber.bundle;
-        let Bundle { motion, root_joint, tip, .. } = bundle;
+        let Bundle { motion, root_joint, tip, feed, .. } = bundle;
         let start = Point3::from(bundle.root.position);
+        let fed = feed.as_ref().map_or(0.0, |feed| feed.fed(t));
+        let root = self.fiber.root * Translation3::new(0.0, 0.0, fed);
         let moved_tip = |way, angle| self.fiber.moved_tip(way, angle);
         let tip = match tip {
             Tip::Free => self.fiber.end_load,
@@ -153,9 +180,13 @@ impl Conditions for StepConditions<'_> {
         Instant {
             gravity: environment.gravity_at(t),
             distributed: Vector3::zeros(),
-            root: root_joint.end(t, motion.displacement(t, &start) * self.fiber.root),
-            tip: self.fiber.gripped(t).unwrap_or(tip),
+            root: self
+                .fiber
+                .gripped(0, t)
+                .unwrap_or_else(|| root_joint.end(t, motion.displacement(t, &start) * root)),
+            tip: self.fiber.gripped(self.fiber.segments, t).unwrap_or(tip),
             air: drag.map(|drag| Air { wind: environment.wind.at(t), drag }),
+            inside: self.fiber.inside(t),
         }
     }
 }

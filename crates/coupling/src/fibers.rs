@@ -129,6 +129,8 @@ impl<B: RodBatch + ?Sized> Fibers<B> {
     ///
     /// They balance the segment and the joint at the end, and the weight of half of that segment
     /// and the forces on its node. The inertia of that half is left out, and so is the air on it.
+    /// Of a fibre that is fed through a nozzle that of the root is the force at the mouth, but for
+    /// what speeds up the part inside.
     ///
     /// # Panics
     /// If there is no such fibre, as indexing does.
@@ -137,7 +139,11 @@ impl<B: RodBatch + ?Sized> Fibers<B> {
         let (group, lane) = self.lanes[fiber];
         let own = &self.assembly.fibers()[fiber];
         let conditions = &self.groups[group].lanes[lane];
-        let Instant { gravity, root, tip, .. } = conditions.during(t).at(t);
+        let Instant { mut gravity, root, tip, inside, .. } = conditions.during(t).at(t);
+        if !at_tip && inside > 0.0 {
+            // What is inside a nozzle has no weight.
+            gravity = Vector3::zeros();
+        }
         let state = self.groups[group].batch.state(lane);
         let last = own.segments();
         // The force of the segment and the moment of the joint on the end's own node.

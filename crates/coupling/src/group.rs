@@ -58,16 +58,38 @@ impl<B: RodBatch + ?Sized> FiberGroup<B> {
         let middle = time + 0.5 * dt;
         self.follow_climate(time, dt)?;
         self.grip(middle);
+        self.hold_nodes(time, dt)?;
         self.put_forces(middle)?;
         Ok(middle)
     }
 
-    /// Lets grippers take tips as they are now, and let them go, for the step whose middle is at a
+    /// Lets grippers take nodes as they are now, and let them go, for the step whose middle is at a
     /// time, s.
     fn grip(&mut self, middle: f64) {
         for (lane, conditions) in self.lanes.iter_mut().enumerate() {
-            conditions.grip(middle, || tip(&self.batch.state(lane)));
+            conditions.grip(middle, |node| pose(&self.batch.state(lane), node));
         }
+    }
+
+    /// Holds inner nodes that are gripped where they are to be after the step from `time` by `dt`,
+    /// s.
+    fn hold_nodes(&mut self, time: f64, dt: f64) -> Result<(), StepError> {
+        for (lane, conditions) in self.lanes.iter().enumerate() {
+            // One that is let go may be held by another gripper.
+            let nodes = || conditions.gripped_nodes(time + dt);
+            for (node, place) in nodes() {
+                if place.is_none() && nodes().any(|(other, held)| other == node && held.is_some()) {
+                    continue;
+                }
+                self.batch.hold_node(lane, node, place, dt).map_err(|_| StepError::Conditions {
+                    fiber: self.fibers[lane],
+                    what: "gripper",
+                    time,
+                    why: "must be of an inner node of a fibre by the staggered chain",
+                })?;
+            }
+        }
+        Ok(())
     }
 
     /// Appends all numbers that change.
@@ -125,6 +147,23 @@ fn tip(state: &RodState) -> Isometry3<f64> {
     let frame = state.frames[n - 1] * Rotation3::new(0.5 * length * turn);
     let frame = UnitQuaternion::from_rotation_matrix(&frame);
     Isometry3::from_parts(state.positions[n].into(), frame)
+}
+
+/// Pose of a node of a rod: of the tip and the root the frame of the segment there, continued over
+/// half of it, of others without a rotation.
+fn pose(state: &RodState, node: usize) -> Isometry3<f64> {
+    let n = state.frames.len();
+    if node == n {
+        return tip(state);
+    }
+    let place = state.positions[node];
+    if node > 0 {
+        return Isometry3::translation(place.x, place.y, place.z);
+    }
+    let length = (state.positions[1] - place).norm();
+    let turn = 0.75 * state.curvatures[0] + 0.25 * state.curvatures[1];
+    let frame = state.frames[0] * Rotation3::new(-0.5 * length * turn);
+    Isometry3::from_parts(place.into(), UnitQuaternion::from_rotation_matrix(&frame))
 }
 
 /// The parts of a step of fibres in contact.

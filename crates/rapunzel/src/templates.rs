@@ -30,6 +30,7 @@ templates![
     "contact/head",
     "contact/turned-head",
     "contact/wrapped",
+    "contact/coiling",
     "contact/plectoneme",
     "charge/tress",
     "charge/tress-without-gravity",

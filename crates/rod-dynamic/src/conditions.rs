@@ -105,6 +105,10 @@ pub struct Instant {
     pub tip: End,
     /// Wind and drag, `None` for no air.
     pub air: Option<Air>,
+    /// Length of the rod, from the root on, that is inside a nozzle, m, zero for none: straight on
+    /// from the root, which is then held, in its frame, and without weight. The integrator of the
+    /// staggered chain has nozzles, [`crate::BoxIntegrator`] and the linear analysis refuse them.
+    pub inside: f64,
 }
 
 impl Instant {
@@ -117,6 +121,7 @@ impl Instant {
             root: End::Held(root),
             tip: End::FREE,
             air: None,
+            inside: 0.0,
         }
     }
 
@@ -166,6 +171,7 @@ impl Instant {
             ("the root", end_is_finite(&self.root)),
             ("the tip", end_is_finite(&self.tip)),
             ("the air", self.air.as_ref().is_none_or(air_is_sound)),
+            ("the length inside the nozzle", self.inside.is_finite()),
         ];
         match parts.into_iter().find(|(_, sound)| !sound) {
             None => Ok(()),

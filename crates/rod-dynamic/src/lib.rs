@@ -32,6 +32,6 @@ pub use rod::{Energy, Momentum, Rod, RodIntegrator, RodState, RodStepReport, Sec
 pub use staggered::{
     EquilibriumError, FittedFiber, Staggered, StaggeredBatch, StepVelocity,
     bounded_natural_curvatures, equilibrium, expected_error, fitted, fitted_end_load,
-    natural_curvatures,
+    natural_curvatures, segments_in_nozzle,
 };
 pub use support::{EndSupport, Restraint};

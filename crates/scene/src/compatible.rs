@@ -19,6 +19,17 @@ impl Scene {
         check.refuse("initial.object", message);
     }
 
+    /// Reports grippers of inner nodes with a method that holds none.
+    pub(crate) fn check_inner_grippers(&self, bundle: &Bundle, check: &mut Check) {
+        let inner =
+            bundle.grippers.iter().position(|one| one.inner_node(bundle.segments).is_some());
+        if let Some(i) = inner.filter(|_| !self.stepper.keeps_ledgers()) {
+            let message = "is an inner one, which needs the method Staggered or BackwardEuler without \
+                           a tolerance";
+            check.refuse(&format!("grippers[{i}].node"), message.into());
+        }
+    }
+
     /// Reports ends whose freedoms are held one by one with a method that has no such ends.
     pub(crate) fn check_supports(&self, bundle: &Bundle, check: &mut Check) {
         if !matches!(self.stepper.method(), RodMethod::Box { .. }) {

@@ -1,6 +1,7 @@
 use super::arrangement::Arrangement;
 use super::charging::Charge;
 use super::check::{Allowed, Check};
+use super::feed::Feed;
 use super::fiber_shape::{Closing, FiberShape, Initial};
 use super::gripper::Gripper;
 use super::groom::{Groom, GroomShape};
@@ -68,13 +69,17 @@ pub struct Bundle {
     /// Motion of the roots.
     #[serde(default)]
     pub motion: Motion,
+    /// Nozzle that the fibres are fed through, paid out or taken up.
+    #[serde(default)]
+    pub feed: Option<Feed>,
     /// Boundary condition of the roots' frames.
     #[serde(default)]
     pub root_joint: JointKind,
     /// Boundary condition at the tips.
     #[serde(default)]
     pub tip: Tip,
-    /// Grippers that take the tips and let them go, in the order of time.
+    /// Grippers that take tips, free roots or inner nodes and let them go, for each node in the
+    /// order of time.
     #[serde(default)]
     pub grippers: Vec<Gripper>,
     /// Closes each fibre to a ring; root and tip must then be free.
@@ -273,7 +278,7 @@ impl Bundle {
             check.refuse("motion", message.into());
         }
         check.within("tip", |c| self.tip.check(c));
-        Gripper::check(&self.grippers, check);
+        Gripper::check(self, check);
         check.each("point_forces", &self.point_forces, |c, force| {
             c.number("at", force.at, Allowed::Within(0.0, 1.0), "");
             c.vector("value", &force.value, "N");

@@ -1,28 +1,40 @@
 use super::check::{Allowed, Check};
+use super::fibers::Bundle;
+use super::joint::JointNode;
+use super::load::TimedLoad;
 use super::motion::Motion;
 use super::tip::JointKind;
 use nalgebra::{Isometry3, Point3};
 use rapunzel_rod_dynamic as rod;
 use serde::{Deserialize, Serialize};
 
-/// A gripper that takes the tips of a bundle at a time, as they are then, and lets them go at
-/// another: it is rigid, where a hand of `grips` is a spring. Until it takes and after it lets go
-/// the tips are as `tip` says.
+/// A gripper that takes a node of each fibre of a bundle at a time, as it is then, and lets it go
+/// at another: it is rigid, where a hand of `grips` is a spring. Until it takes and after it lets
+/// go tips are as `tip` says, and roots, which must be free, as `root_joint` does.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Gripper {
+    /// The node that it takes; left out, the tip. An inner one is held by its place alone, by a
+    /// spring that gives way to a force as the node with ten thousand times its mass would in a
+    /// step.
+    #[serde(default = "tip")]
+    pub node: JointNode,
     /// Time at which it takes, s; it takes effect at the nearest step.
     pub from: f64,
     /// Time at which it lets go, s; left out, it never does.
     #[serde(default)]
     pub until: Option<f64>,
-    /// Motion of the tips while they are held, from the time at which they are taken; they turn
+    /// Motion of the nodes while they are held, from the time at which they are taken; they turn
     /// about their places then.
     #[serde(default)]
     pub motion: Motion,
-    /// What it holds of the pose.
+    /// What it holds of the pose; `Ball()` of an inner node.
     #[serde(default)]
     pub joint: JointKind,
+}
+
+fn tip() -> JointNode {
+    JointNode::Tip
 }
 
 impl Gripper {
@@ -32,17 +44,35 @@ impl Gripper {
         self.from <= t && self.until.is_none_or(|until| t < until)
     }
 
-    /// The end at time `t`, s, of a tip that was at `taken` when it was taken.
+    /// Its inner node in a fibre of so many segments; `None` if it is an end.
+    #[must_use]
+    pub fn inner_node(&self, segments: usize) -> Option<usize> {
+        Some(self.node.number(segments)).filter(|number| (1..segments).contains(number))
+    }
+
+    /// The place at time `t`, s, of a node that was at `taken` when it was taken.
+    #[must_use]
+    pub fn place(&self, t: f64, taken: &Isometry3<f64>) -> Point3<f64> {
+        Point3::from(self.moved(t, taken).translation.vector)
+    }
+
+    /// The end at time `t`, s, of a tip or root that was at `taken` when it was taken.
     #[must_use]
     pub fn end(&self, t: f64, taken: &Isometry3<f64>) -> rod::End {
+        self.joint.end(t, self.moved(t, taken))
+    }
+
+    /// The pose at time `t`, s, to which what was at `taken` has been moved.
+    fn moved(&self, t: f64, taken: &Isometry3<f64>) -> Isometry3<f64> {
         let place = Point3::from(taken.translation.vector);
-        let moved = self.motion.displacement((t - self.from).max(0.0), &place) * taken;
-        self.joint.end(t, moved)
+        self.motion.displacement((t - self.from).max(0.0), &place) * taken
     }
 
     /// Reports problems of grippers of one bundle.
-    pub(crate) fn check(grippers: &[Self], check: &mut Check) {
+    pub(crate) fn check(bundle: &Bundle, check: &mut Check) {
+        let Bundle { grippers, segments, .. } = bundle;
         check.each("grippers", grippers, |c, gripper| {
+            gripper.check_node(c, bundle);
             c.number("from", gripper.from, Allowed::NonNegative, "s");
             if let Some(until) = gripper.until {
                 c.number("until", until, Allowed::Positive, "s");
@@ -60,15 +90,42 @@ impl Gripper {
                 c.refuse("joint", "is free, but a gripper must hold something".into());
             }
         });
-        for (i, pair) in grippers.windows(2).enumerate() {
-            let free = pair[0].until.unwrap_or(f64::INFINITY);
-            if pair[1].from < free {
+        for (i, gripper) in grippers.iter().enumerate() {
+            let same = |one: &&Self| one.node.number(*segments) == gripper.node.number(*segments);
+            let Some(before) = grippers[..i].iter().rfind(same) else { continue };
+            let free = before.until.unwrap_or(f64::INFINITY);
+            if gripper.from < free {
                 let message = format!(
-                    "is {:?}, but the gripper before lets go at {free:?} (s): take later, or let \
-                     go earlier",
-                    pair[1].from
+                    "is {:?}, but the gripper of this node before lets go at {free:?} (s): take \
+                     later, or let go earlier",
+                    gripper.from
                 );
-                check.refuse(&format!("grippers[{}].from", i + 1), message);
+                check.refuse(&format!("grippers[{i}].from"), message);
+            }
+        }
+    }
+}
+
+impl Gripper {
+    /// Reports a node that cannot be taken.
+    fn check_node(&self, check: &mut Check, bundle: &Bundle) {
+        let (number, last) = (self.node.number(bundle.segments), bundle.segments);
+        if number > last {
+            let message = format!("is {number}, but the nodes are numbered 0 to {last}");
+            check.refuse("node", message);
+        } else if number == 0 && !bundle.root_joint.is_free() {
+            let message = "is the root, which is held already; let it go with `root_joint: Free`";
+            check.refuse("node", message.into());
+        } else if self.inner_node(last).is_some() {
+            if bundle.groom.is_some() {
+                let message = "is an inner one, but the hairs of a groom have different numbers of \
+                               them; take the Tip";
+                check.refuse("node", message.into());
+            }
+            if self.joint != (JointKind::Ball { moment: TimedLoad::default() }) {
+                let message =
+                    "holds more than the place of an inner node, or loads it; take `Ball()`";
+                check.refuse("joint", message.into());
             }
         }
     }
@@ -79,18 +136,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn grippers_take_before_they_let_go_and_one_at_a_time() {
-        let gripper =
-            |from, until| Gripper { from, until, motion: Motion::Fixed, joint: JointKind::Clamped };
-        let paths = |grippers: &[Gripper]| {
-            let mut check = Check::default();
-            Gripper::check(grippers, &mut check);
-            check.finish(None).into_iter().map(|problem| problem.path).collect::<Vec<_>>()
-        };
-        assert!(paths(&[gripper(0.0, Some(1.0)), gripper(1.0, None)]).is_empty());
-        assert_eq!(paths(&[gripper(2.0, Some(1.0))]), ["grippers[0].until"]);
-        assert_eq!(paths(&[gripper(0.0, None), gripper(1.0, None)]), ["grippers[1].from"]);
-        let one = gripper(1.0, Some(2.0));
+    fn a_gripper_holds_from_a_time_until_another() {
+        let (node, motion, joint) = (JointNode::Tip, Motion::Fixed, JointKind::Clamped);
+        let one = Gripper { node, from: 1.0, until: Some(2.0), motion, joint };
         assert_eq!([0.9, 1.0, 1.9, 2.0].map(|t| one.holds(t)), [false, true, true, false]);
+        assert_eq!(one.inner_node(5), None);
+        let inner = Gripper { node: JointNode::Node(4), ..one };
+        assert_eq!([5, 4].map(|segments| inner.inner_node(segments)), [Some(4), None]);
     }
 }

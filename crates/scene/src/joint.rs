@@ -56,7 +56,7 @@ pub struct JointPlace {
     pub at: JointNode,
 }
 
-/// A node of a fibre that is joined.
+/// A node of a fibre.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub enum JointNode {

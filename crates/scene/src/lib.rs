@@ -11,6 +11,7 @@ mod compatible;
 mod contact;
 mod environment;
 mod error;
+mod feed;
 mod fiber_shape;
 mod fibers;
 mod freedom;
@@ -44,6 +45,7 @@ pub use check::{SceneProblem, TextPlace};
 pub use contact::{Adhesion, ContactMethod, ContactSettings, FrictionLaw, FrictionSurface};
 pub use environment::{Environment, Wind};
 pub use error::SceneError;
+pub use feed::{FedLength, Feed};
 pub use fiber_shape::{ClosedCurve, Closing, FiberShape, Initial};
 pub use fibers::{Bundle, Orientation, PointForce, Pose, Spin};
 pub use freedom::{Freedom, SupportAxes};
@@ -178,6 +180,7 @@ impl Scene {
     pub fn is_closed(&self) -> bool {
         let still = |bundle: &Bundle| {
             bundle.motion == Motion::Fixed
+                && bundle.feed.is_none()
                 && matches!(bundle.tip, Tip::Free | Tip::Held)
                 && bundle.point_forces.is_empty()
                 && bundle.grippers.is_empty()
@@ -346,6 +349,8 @@ impl Scene {
             self.check_keratin(bundle, c);
             self.check_supports(bundle, c);
             self.check_wrapped(bundle, c);
+            self.check_feed(bundle, c);
+            self.check_inner_grippers(bundle, c);
         });
         check.each("objects", &self.objects, |c, object| object.check(c));
         self.check_joints(check);

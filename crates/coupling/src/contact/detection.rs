@@ -39,6 +39,9 @@ pub(crate) struct ContactDetector {
     rooted: Vec<[u32; 2]>,
     /// What is beside these does not touch.
     pub(super) joints: BallJoints,
+    /// Number of segments, from the root on, of each fibre that are inside a nozzle, where they
+    /// touch nothing; empty where none is fed.
+    in_nozzles: Vec<usize>,
 }
 
 /// What fibres and objects are in each other at the end of a motion.
@@ -79,8 +82,8 @@ impl ContactDetector {
     pub(crate) fn new(margin: f64, more: f64, holds: bool) -> Result<Self, CollisionError> {
         // Of what is farther, a list knows what was near when it was made: chance would decide.
         let candidates = Candidates::new(margin + more, RESERVE * margin)?;
-        let joints = BallJoints::default();
-        Ok(Self { margin, more, holds, candidates, rooted: Vec::new(), joints })
+        let (rooted, in_nozzles, joints) = (Vec::new(), Vec::new(), BallJoints::default());
+        Ok(Self { margin, more, holds, candidates, rooted, joints, in_nozzles })
     }
 
     /// Lets fibres grow out of kinematic objects from now on: those whose root at the start of the
@@ -105,6 +108,12 @@ impl ContactDetector {
             objects.map(move |(object, _)| [fiber_number(fiber), object])
         });
         self.rooted = pairs.collect();
+    }
+
+    /// Lets the first segments of each fibre touch nothing from now on: as many as it has inside a
+    /// nozzle. Empty where none is fed.
+    pub(crate) fn hide(&mut self, in_nozzles: Vec<usize>) {
+        self.in_nozzles = in_nozzles;
     }
 
     /// Replaces `points` by all contact points of a motion, with their places and normals at its
@@ -159,6 +168,14 @@ impl ContactDetector {
         if !self.joints.is_empty() {
             pairs.retain(|(pair, _)| !self.joints.parts(pair));
         }
+        if !self.in_nozzles.is_empty() {
+            let layout = motion.layout;
+            let mut hidden = vec![false; layout.segments()];
+            for (fiber, held) in self.in_nozzles.iter().enumerate() {
+                hidden[layout.segment_range(fiber)][..*held].fill(true);
+            }
+            pairs.retain(|(pair, _)| pair.iter().all(|&segment| !hidden[segment as usize]));
+        }
         let inner = motion.sections.inner();
         let (near, fast) = sort(&start, &end, &pairs, margin, (self.holds, inner));
         // They are many more than what follows is of.
@@ -173,7 +190,7 @@ impl ContactDetector {
         drop(near);
         let through = fast.iter().any(|contact| leads_through(&start, &end, contact, inner));
         add(&end, fast, &mut contacts);
-        let mut others = of_objects(motion, objects, &self.rooted, held, margin);
+        let mut others = self.of_objects(motion, objects, held, margin);
         others.retain(|point| !self.joints.parts_point(point));
         others.sort_unstable_by_key(ContactPoint::rank);
         others.dedup_by(|b, a| a.rank().same(&b.rank()));
@@ -181,6 +198,39 @@ impl ContactDetector {
         keep_sides(&start, points);
         motion.sections.seat(motion.layout, points);
         Ok(through)
+    }
+
+    /// What fibres, and objects that move freely, touch of the objects.
+    fn of_objects(
+        &self,
+        motion: &NodeMotion,
+        objects: &[CollisionObject],
+        held: &HeldPlaces,
+        margin: f64,
+    ) -> Vec<ContactPoint> {
+        let strand = |fiber: usize| {
+            let mut found = Vec::new();
+            for (index, object) in (0..).zip(objects) {
+                let number = fiber_number(fiber);
+                let strand = MovingFiber {
+                    fiber: number,
+                    first: usize::from(self.rooted.binary_search(&[number, index]).is_ok())
+                        .max(self.in_nozzles.get(fiber).copied().unwrap_or(0)),
+                    held: held.of_pair([number, index]),
+                    start: &motion.start[motion.layout.node_range(fiber)],
+                    end: &motion.end[motion.layout.node_range(fiber)],
+                    radii: &motion.radii()[motion.layout.segment_range(fiber)],
+                };
+                object.contact_points(index, &strand, motion.step, margin, &mut found);
+            }
+            found
+        };
+        // Few of many may be near any.
+        let fibers = (0..motion.layout.fibers()).into_par_iter().with_max_len(FIBERS);
+        let found: Vec<_> = fibers.map(strand).collect();
+        let mut found = found.concat();
+        found.extend(pair::contact_points(objects, motion.step, margin));
+        found
     }
 }
 
@@ -259,38 +309,6 @@ pub(crate) fn gaps(
     let mut gaps = vec![f64::INFINITY; points.len()];
     points.par_chunks(DETECTION_CHUNK).zip(gaps.par_chunks_mut(DETECTION_CHUNK)).for_each(chunk);
     Ok(gaps)
-}
-
-/// What fibres, and objects that move freely, touch of the objects.
-fn of_objects(
-    motion: &NodeMotion,
-    objects: &[CollisionObject],
-    rooted: &[[u32; 2]],
-    held: &HeldPlaces,
-    margin: f64,
-) -> Vec<ContactPoint> {
-    let strand = |fiber: usize| {
-        let mut found = Vec::new();
-        for (index, object) in (0..).zip(objects) {
-            let number = fiber_number(fiber);
-            let strand = MovingFiber {
-                fiber: number,
-                first: usize::from(rooted.binary_search(&[number, index]).is_ok()),
-                held: held.of_pair([number, index]),
-                start: &motion.start[motion.layout.node_range(fiber)],
-                end: &motion.end[motion.layout.node_range(fiber)],
-                radii: &motion.radii()[motion.layout.segment_range(fiber)],
-            };
-            object.contact_points(index, &strand, motion.step, margin, &mut found);
-        }
-        found
-    };
-    // Few of many may be near any.
-    let fibers = (0..motion.layout.fibers()).into_par_iter().with_max_len(FIBERS);
-    let found: Vec<_> = fibers.map(strand).collect();
-    let mut found = found.concat();
-    found.extend(pair::contact_points(objects, motion.step, margin));
-    found
 }
 
 #[cfg(test)]

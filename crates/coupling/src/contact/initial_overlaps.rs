@@ -39,6 +39,7 @@ pub(super) fn contact_points(
         held.then(|| near.unwrap_or(-depth))
     };
     detector.root(&motion, system.objects, grows);
+    detector.hide(system.in_nozzles(system.start));
     let mut points = Vec::new();
     detector.detect(&motion, system.objects, &HeldPlaces::default(), &mut points)?;
     let too_deep = |point: &&ContactPoint| {

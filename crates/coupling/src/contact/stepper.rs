@@ -230,6 +230,7 @@ impl ContactStepper {
         last: bool,
     ) -> Result<(), SubstepFailure> {
         let (time, dt) = (part.time, part.dt);
+        self.detector.hide(system.in_nozzles(time + dt));
         let mut laps = PhaseTimer::start(self.stopwatch);
         let joints = self.detector.joints.pushes(system, &self.memory.joints);
         let pushes = || expected.pushes().chain(joints.iter().copied());

@@ -4,7 +4,7 @@ use crate::object::{CollisionObject, ObjectMotion};
 use crate::{Fibers, Surroundings};
 use nalgebra::{Vector3, Vector6};
 use rapunzel_contact::{ContactError, RigidPoints};
-use rapunzel_rod_dynamic::{Ledger, StaggeredBatch};
+use rapunzel_rod_dynamic::{Ledger, StaggeredBatch, segments_in_nozzle};
 use rapunzel_scene::Environment;
 use rayon::prelude::*;
 
@@ -32,6 +32,22 @@ impl<'a> CoupledSystem<'a> {
         let fibers = self.fibers.energy(&gravity).kinetic;
         let free = self.objects.iter().filter_map(|object| object.energy(&gravity));
         free.fold(fibers, |sum, energy| sum + energy.kinetic)
+    }
+
+    /// Number of segments of each fibre that are inside a nozzle at time `t`, s; empty where no
+    /// fibre is fed.
+    pub(super) fn in_nozzles(&self, t: f64) -> Vec<usize> {
+        let lanes =
+            || self.fibers.groups.iter().flat_map(|group| group.fibers.iter().zip(&group.lanes));
+        if !lanes().any(|(_, lane)| lane.is_fed()) {
+            return Vec::new();
+        }
+        let fibers = self.fibers.assembly().fibers();
+        let mut all = vec![0; fibers.len()];
+        for (&fiber, lane) in lanes() {
+            all[fiber] = segments_in_nozzle(fibers[fiber].segment_lengths(), lane.inside(t));
+        }
+        all
     }
 
     /// Makes the step from `time` by `dt`, s, that has been solved the state of all groups and

@@ -282,6 +282,7 @@ mod tests {
                 wind: Vector3::new(1.0, 2.0, 0.5),
                 drag: Drag { normal: 0.03, tangential: 0.01 },
             }),
+            inside: 0.0,
         };
         let k = integrator.options.coefficients;
         let span = Span::sample(&Steady(instant), 0.0, 0.02, &k).expect("finite");

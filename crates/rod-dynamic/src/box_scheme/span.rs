@@ -44,6 +44,10 @@ impl Span {
                 let why = "the box scheme holds a whole end only: take the staggered chain";
                 return Err(StepError::Conditions { fiber: 0, what: "end", time: t, why });
             }
+            if instant.inside != 0.0 {
+                let why = "the box scheme has none: take the staggered chain";
+                return Err(StepError::Conditions { fiber: 0, what: "nozzle", time: t, why });
+            }
             Ok(instant)
         };
         Ok(Self {

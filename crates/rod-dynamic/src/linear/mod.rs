@@ -67,6 +67,9 @@ pub fn linearize(
     if [conditions.root, conditions.tip].iter().any(|end| matches!(end, End::Supported(_))) {
         return invalid("end", "the linear analysis knows ends that are held whole or free only");
     }
+    if conditions.inside != 0.0 {
+        return invalid("nozzle", "the linear analysis knows none");
+    }
     let root_free = matches!(conditions.root, End::Loaded { .. });
     let tip_held = !matches!(conditions.tip, End::Loaded { .. });
     if root_free && tip_held {

@@ -126,6 +126,7 @@ impl<S: Simd> BatchAttempts for SimdBatch<S> {
                 } else {
                     pack.chain.kept.spin.fill(S::f64s::zeroed());
                 }
+                pack.hold_in_nozzles(wanted);
                 pack.prepare(&stage);
                 pack.begin_laws();
                 pack.chain.newton(wanted, &pack.held, problem == StepProblem::Rest, out);

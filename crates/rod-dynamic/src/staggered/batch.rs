@@ -243,6 +243,30 @@ impl StaggeredBatch {
         Ok(())
     }
 
+    /// Holds a node of one fibre by a spring to a place (m, world) from the next step on, by its
+    /// force at the end of each step, until it is set again; a stiffness (N/m) of zero lets it go.
+    /// Its work is that of supports. It is no part of the state that is saved.
+    ///
+    /// # Errors
+    /// [`RodError::Invalid`] unless the node is an inner one, the stiffness not negative, and all
+    /// numbers are finite.
+    pub fn set_node_spring(
+        &mut self,
+        fiber: usize,
+        node: usize,
+        stiffness: f64,
+        place: &Point3<f64>,
+    ) -> Result<(), RodError> {
+        let inner = node > 0 && node < self.rods[fiber].fiber.segments();
+        let finite = stiffness.is_finite() && place.iter().all(|x| x.is_finite());
+        if !(inner && finite && stiffness >= 0.0) {
+            let why = "needs an inner node, a stiffness that is not negative, and finite numbers";
+            return Err(RodError::Invalid { what: "node spring", why });
+        }
+        self.engine.set_node_spring(fiber, node, stiffness, &place.coords);
+        Ok(())
+    }
+
     /// Appends all numbers that determine the further motion.
     pub fn save(&self, numbers: &mut Vec<f64>) {
         numbers.reserve_exact(self.numbers());

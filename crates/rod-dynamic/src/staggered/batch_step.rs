@@ -100,7 +100,9 @@ impl StaggeredBatch {
         }
         let mut ends = [None; LANES];
         for fiber in 0..count {
-            ends[fiber] = Some(self.conditions(fiber, self.time + dt, conditions[fiber])?);
+            let now = self.conditions(fiber, self.time + dt, conditions[fiber])?;
+            self.check_feed(fiber, &now)?;
+            ends[fiber] = Some(now);
         }
         self.open_ledgers(conditions)?;
         self.engine.remember();
@@ -118,6 +120,18 @@ impl StaggeredBatch {
             }
         }
         Ok(used)
+    }
+
+    /// Refuses a feed that a step cannot follow.
+    fn check_feed(&self, fiber: usize, now: &Instant) -> Result<(), StepError> {
+        let lengths = self.rods[fiber].fiber.segment_lengths();
+        let shortest = lengths.iter().copied().fold(f64::INFINITY, f64::min);
+        let fed = (self.engine.inside_nozzle(fiber) - now.inside).abs();
+        if fed <= shortest || self.fresh[fiber] {
+            return Ok(());
+        }
+        let why = "feeds more than a segment in a step: take shorter steps, or feed more slowly";
+        Err(StepError::Conditions { fiber, what: "nozzle", time: self.time, why })
     }
 
     /// Begins the ledgers of a step, if they are kept.

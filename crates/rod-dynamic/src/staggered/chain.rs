@@ -19,6 +19,7 @@ use super::factor::{DiagonalBlock, Right, close};
 use super::joint_geometry::{JointEffect, combine, director_hessian, hat};
 use super::laws::Laws;
 use super::model::BatchModel;
+use super::nozzle::NozzleLanes;
 use super::supports::BothSupports;
 use super::workspace::{BatchWorkspace, Kept};
 use pulp::Simd;
@@ -36,6 +37,8 @@ pub(super) struct RotationChain<S: Simd> {
     pub(super) ends: Ends<S>,
     /// Supports whose freedoms are held one by one, once any lane has had one.
     pub(super) supports: Option<Box<BothSupports<S>>>,
+    /// Nozzles that fibres are fed through, once any lane has had one.
+    pub(super) nozzle: Option<Box<NozzleLanes<S>>>,
     /// Section laws in place of the stiffness and natural rotations in `room`, if any lane has
     /// them.
     pub(super) laws: Option<Box<Laws<S>>>,
@@ -63,6 +66,7 @@ impl<S: Simd> RotationChain<S> {
             model,
             ends: Ends::new(),
             supports: None,
+            nozzle: None,
             laws: None,
             q: zeros::<S>(4 * n),
             spins,
@@ -283,9 +287,6 @@ impl<S: Simd> RotationChain<S> {
                     hessian = hessian - stiffness;
                     torque -= moment;
                 }
-                for i in 0..6 {
-                    self.room.hessian[6 * e + i] = hessian.0[i].value;
-                }
                 // Diagonal block [[-(w0 + w1) E, S], [S^T, A]] less the contribution of the
                 // previous segment, and the coupling B to the next one: B = hat(M)/2 - H of the
                 // joint, where the first term is left out in definite lanes.
@@ -299,14 +300,17 @@ impl<S: Simd> RotationChain<S> {
                         compliance = compliance - supports[1].mobility(simd, false);
                     }
                 }
-                let block = DiagonalBlock {
-                    compliance,
-                    lever: hat(d[2].scale(h)),
-                    stiffness: hessian,
-                    load,
-                    torque,
-                } - carry;
-                let coupling = hat(right.moment.scale(exact * half)) - right.hessian.full();
+                let mut lever = hat(d[2].scale(h));
+                let mut coupling = hat(right.moment.scale(exact * half)) - right.hessian.full();
+                if let Some(loose) = self.loose(e) {
+                    let own = (&mut torque, &mut hessian);
+                    Self::hold_frame(loose, own, (&mut lever, &mut coupling));
+                }
+                for i in 0..6 {
+                    self.room.hessian[6 * e + i] = hessian.0[i].value;
+                }
+                let block =
+                    DiagonalBlock { compliance, lever, stiffness: hessian, load, torque } - carry;
                 let (passed, mut rhs, signs) = self.kept.factor.eliminate(e, block, w1, coupling);
                 // Loads without a potential make the last block unsymmetric.
                 if j == n && ends.any_circulatory {

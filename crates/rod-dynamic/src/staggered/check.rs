@@ -2,7 +2,7 @@
 
 use crate::support::Restraints;
 use crate::{End, Instant, Rod, RodError, RodState, SectionLaws, StepError};
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
 
 /// Slack that a rod held at both ends needs, as a fraction of its length: without it Newton's
 /// matrix is singular.
@@ -61,6 +61,15 @@ pub(super) fn check_conditions(rod: &Rod, now: &Instant, time: f64) -> Result<()
         }
         End::Loaded { .. } | End::Supported(_) => None,
     };
+    if now.inside != 0.0 {
+        check_nozzle(rod, now).or_else(|why| error("nozzle", why))?;
+    }
+    let length = rod.fiber.length() - now.inside;
+    let mouth = |end: &End| match end {
+        End::Held(pose) => Some((pose * Point3::new(0.0, 0.0, now.inside)).coords),
+        _ => position(end),
+    };
+
     // The part of the way from the root to the tip that a support of the tip holds.
     let out_of_reach = |root: Vector3<f64>| match &now.tip {
         End::Supported(support) => {
@@ -68,17 +77,34 @@ pub(super) fn check_conditions(rod: &Rod, now: &Instant, time: f64) -> Result<()
         }
         _ => 0.0,
     };
-    match (position(&now.root), position(&now.tip)) {
-        (Some(root), Some(tip)) if (root - tip).norm() > rod.fiber.length() * (1.0 - TAUT) => {
-            error(
-                "tip",
-                "as far from the root as the rod is long, or further, which cannot stretch; \
+    match (mouth(&now.root), position(&now.tip)) {
+        (Some(root), Some(tip)) if (root - tip).norm() > length * (1.0 - TAUT) => error(
+            "tip",
+            "as far from the root as the rod is long, or further, which cannot stretch; \
                  pulled straight it cannot move and has any tension: bring the ends closer",
-            )
-        }
-        (Some(root), None) if out_of_reach(root) > rod.fiber.length() * (1.0 - TAUT) => {
+        ),
+        (Some(root), None) if out_of_reach(root) > length * (1.0 - TAUT) => {
             error("tip", "held further from the root than the rod is long: bring the ends closer")
         }
         _ => Ok(()),
     }
+}
+
+/// Checks what is inside a nozzle.
+fn check_nozzle(rod: &Rod, now: &Instant) -> Result<(), &'static str> {
+    let lengths = rod.fiber.segment_lengths();
+    let last = lengths[lengths.len() - 1];
+    if now.inside < 0.0 {
+        return Err("all of the fibre has left it: end the feed before, or make the fibre longer");
+    }
+    if now.inside > rod.fiber.length() - last {
+        return Err("the whole fibre is inside: its last segment must stay outside");
+    }
+    if !matches!(now.root, End::Held(_)) {
+        return Err("the root of what is inside must be held with its frame");
+    }
+    if rod.laws != SectionLaws::Linear {
+        return Err("only rods with the linear law are fed");
+    }
+    Ok(())
 }

@@ -55,6 +55,7 @@ impl<S: Simd> BatchCoupledStep for SimdBatch<S> {
                 } else {
                     self.0.chain.kept.spin.fill(S::f64s::zeroed());
                 }
+                self.0.hold_in_nozzles(&[true; LANES]);
                 self.0.prepare(&stage);
                 self.0.begin_laws();
                 self.0.chain.shape();

@@ -14,6 +14,8 @@ pub(super) struct Ends<S: Simd> {
     pub(super) root_free: S::f64s,
     /// 1 where a joint clamps the root's frame.
     pub(super) root_joint: S::f64s,
+    /// Length of the rod that is inside a nozzle, m.
+    pub(super) inside: S::f64s,
     pub(super) root_position: [S::f64s; 3],
     pub(super) root_frame: [S::f64s; 4],
     /// 1 where the tip's position is held.
@@ -81,6 +83,7 @@ impl<S: Simd> Ends<S> {
         Self {
             root_free: zero,
             root_joint: zero,
+            inside: zero,
             root_position: [zero; 3],
             root_frame: [zero; 4],
             tip_held: zero,
@@ -110,11 +113,12 @@ impl<S: Simd> Ends<S> {
         }
     }
 
-    /// Restores what belongs to the state from `old`: flags and reactions.
+    /// Restores what belongs to the state from `old`: flags, reactions, and what is in a nozzle.
     pub(super) fn put_back(&mut self, old: &Self) {
         (self.root_free, self.root_joint) = (old.root_free, old.root_joint);
         (self.tip_held, self.tip_joint) = (old.tip_held, old.tip_joint);
         self.tip_reaction = old.tip_reaction;
+        self.inside = old.inside;
     }
 
     /// Sets the conditions of one lane. A tip that was free until now starts from the force

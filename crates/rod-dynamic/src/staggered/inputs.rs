@@ -31,6 +31,9 @@ pub(super) trait BatchInputs {
     fn set_bearing(&mut self, lane: usize, bearing: bool);
     /// Sets the external force on a node, N, world frame.
     fn set_node_force(&mut self, lane: usize, node: usize, force: &Vector3<f64>);
+    /// Sets the spring that holds a node until it is set again: its stiffness, N/m, and the place
+    /// that it pulls to, m, world.
+    fn set_node_spring(&mut self, lane: usize, node: usize, stiffness: f64, place: &Vector3<f64>);
     /// Sets the impulses on the lane at the start of the step; starting a new step clears them. A
     /// support takes up the impulse on the end that it holds.
     fn set_impulses(&mut self, lane: usize, impulses: Impulses);
@@ -45,6 +48,7 @@ impl<S: Simd> BatchInputs for SimdBatch<S> {
         for (i, x) in numbers.enumerate() {
             set(&mut self.fields, i, lane, *x);
         }
+        self.set_nozzle(lane, now.inside);
         let n = self.chain.n;
         // A follower load turns with the end, half a segment from the frame of the last segment.
         let mut now = *now;
@@ -64,6 +68,7 @@ impl<S: Simd> BatchInputs for SimdBatch<S> {
                 set(array, i, lane, 0.0);
             }
         }
+        self.set_nozzle(lane, 0.0);
         let mut position = state.positions[0].coords;
         let mut before: Option<Rotation3<f64>> = None;
         for a in 0..=n {
@@ -126,6 +131,17 @@ impl<S: Simd> BatchInputs for SimdBatch<S> {
         array::fit::<S>(&mut self.node_forces, 3 * (self.chain.n + 1));
         for i in 0..3 {
             set(&mut self.node_forces, 3 * node + i, lane, force[i]);
+        }
+    }
+
+    fn set_node_spring(&mut self, lane: usize, node: usize, stiffness: f64, place: &Vector3<f64>) {
+        let nodes = self.chain.n + 1;
+        let [stiffnesses, places] = &mut self.springs;
+        array::fit::<S>(stiffnesses, nodes);
+        array::fit::<S>(places, 3 * nodes);
+        set(stiffnesses, node, lane, stiffness);
+        for i in 0..3 {
+            set(places, 3 * node + i, lane, place[i]);
         }
     }
 

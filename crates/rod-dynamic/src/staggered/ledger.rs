@@ -106,7 +106,7 @@ impl<S: Simd> SimdBatch<S> {
         let clamps = [&ends.root_frame, &ends.tip_frame].map(frame);
         let clamps_before = [&self.outset.frames[0], &self.outset.frames[1]].map(frame);
         let turns = [0, 1].map(|k| turn(clamps_before[k], clamps[k]));
-        let mut stored = [lines.kinetic; 2];
+        let (mut stored, mut bent) = ([lines.kinetic; 2], [lines.kinetic.lift(0.0); 2]);
         let zero = V3::splat(simd, 0.0);
         let (mut before, mut torque, mut left) = (turns[0], zero, zero);
         // Segments and joints from root to tip; `torque` is the torque on the segment before joint
@@ -136,7 +136,10 @@ impl<S: Simd> SimdBatch<S> {
             }
             if j > 0 {
                 // The segment before the joint is complete with it.
-                lines.solver = lines.solver - (torque + right - left).dot(before);
+                let left_over = (torque + right - left).dot(before);
+                let loose = self.chain.loose(j - 1).unwrap_or(left_over.lift(1.0));
+                lines.solver = loose.negate_mul_add(left_over, lines.solver);
+                lines.supports = lines.supports - (left_over - loose * left_over);
             }
             // Energy of an end joint that a change of conditions has clamped or released.
             if j == 0 || j == n {
@@ -145,10 +148,19 @@ impl<S: Simd> SimdBatch<S> {
                 lines.supports = lines.supports + made;
                 lines.elastic = lines.elastic + made;
                 stored[k] = bend.stored[1];
+            } else if self.chain.nozzle.is_some() {
+                bent = [0, 1].map(|k| bent[k] + bend.stored[k]);
             }
             (before, torque, left) = (after, inner + outer, right);
         }
-        self.move_outset(stored, done);
+        if let Some(nozzle) = &self.chain.nozzle {
+            // What bent rod has come out of a nozzle, or gone into it.
+            let made = bent[0] - Lane::new(simd, self.outset.bent);
+            let made = made * Lane::new(simd, nozzle.fed);
+            lines.supports = lines.supports + made;
+            lines.elastic = lines.elastic + made;
+        }
+        self.move_outset((stored, bent[1]), done);
         lines
     }
 
@@ -169,23 +181,27 @@ impl<S: Simd> SimdBatch<S> {
         lines.contacts = lines.contacts + chain.vec_or_zero(&self.impulses, a).dot(motion.mean);
         // Drag at the mean velocity; its difference to the drag in the equations is the
         // integrator's.
+        let outside = chain.outside(a).unwrap_or(mass.lift(1.0));
         let (length, tangent) = self.reach(&chain.room.d_start, a);
         let (_, tangent_after) = self.reach(&chain.room.d, a);
         let middle = (tangent + tangent_after).scale(length.lift(0.5));
         let air = |across_at: V3<S>, along_at: V3<S>, tangent: V3<S>| {
             let slip = tangent.dot(along_at - wind) * excess * length.recip();
-            (wind - across_at).scale(across * length) + tangent.scale(slip)
+            ((wind - across_at).scale(across * length) + tangent.scale(slip)).scale(outside)
         };
         let drag = air(motion.end, rates.v, tangent);
         let mean_drag = air(motion.mean, motion.mean, middle);
         lines.drag = lines.drag + mean_drag.dot(way);
         lines.integrator = lines.integrator + (drag - mean_drag).dot(way);
         // Gravity and other loads.
-        let weight = gravity.scale(mass);
+        let weight = gravity.scale(mass * outside);
         lines.gravity = lines.gravity + weight.dot(way);
-        let loads = distributed.scale(length) + chain.vec_or_zero(&self.node_forces, a);
+        let loads = distributed.scale(length * outside) + chain.vec_or_zero(&self.node_forces, a);
         lines.loads = lines.loads + loads.dot(way);
         lines.joints = lines.joints + chain.vec_or_zero(&self.joint_forces, a).dot(way);
+        // What holds the node.
+        let (_, pull) = self.spring(a, chain.vec(&chain.kept.r, a));
+        lines.supports = lines.supports + pull.dot(way);
         // Ends: `before` is inertia less loads at the start of the step.
         if a == 0 || a == n {
             let forces = weight + loads + air(rates.v, rates.v, tangent);
@@ -246,7 +262,7 @@ impl<S: Simd> SimdBatch<S> {
     ) -> Bend<S> {
         let (simd, n, chain) = (self.chain.simd, self.chain.n, &self.chain);
         // Stiffness, zero at an end that is not clamped.
-        let mut stiffness = chain.vec(&self.chain.model.stiffness, j);
+        let [mut stiffness, rest] = chain.bending(j);
         if j == 0 {
             stiffness = stiffness.scale(Lane::new(simd, chain.ends.root_joint));
         } else if j == n {
@@ -257,7 +273,6 @@ impl<S: Simd> SimdBatch<S> {
         let (phi, phi_before) = (chain.vec(&chain.room.phi, j), chain.vec(&self.phi, j));
         let bend = phi - phi_before;
         let resisted = stiffness.times(bend);
-        let rest = chain.vec(&self.chain.model.rest, j);
         let (strain, strain_before) = (phi - rest, phi_before - rest);
         let mut gain = resisted.dot(strain + strain_before) * half;
         // Without damping there are no rates of joints, and none are needed.

@@ -26,13 +26,16 @@ impl<S: Simd> SimdBatch<S> {
                 let force = at(&self.chain.force, 3 * segment + i, lane);
                 set(&mut self.outset.forces[k], i, lane, force);
             }
-            let strain = self.vector(&self.phi, node, lane)
-                - self.vector(&self.chain.model.rest, node, lane);
+            let strain = self.strain(lane, node);
             let stored = if joined[k] { self.stored(lane, node, &strain) } else { 0.0 };
             set(&mut self.outset.stored, k, lane, stored);
             if self.chain.supports.is_some() || matches!(end, End::Supported(_)) {
                 self.open_loads(lane, k, end, &frame);
             }
+        }
+        if now.inside > 0.0 || self.chain.nozzle.is_some() {
+            let bent = (1..n).map(|j| self.stored(lane, j, &self.strain(lane, j))).sum();
+            set(std::slice::from_mut(&mut self.outset.bent), 0, lane, bent);
         }
         let share = if known && self.schemes[lane].remembers() { 0.5 } else { 1.0 };
         set(std::slice::from_mut(&mut self.outset.share), 0, lane, share);
@@ -89,13 +92,18 @@ impl<S: Simd> SimdBatch<S> {
     /// Records the state of the ends after the step as the start of the next one, in the lanes that
     /// are `done`.
     #[inline(always)]
-    pub(super) fn move_outset(&mut self, stored: [Lane<S>; 2], done: &[bool; LANES]) {
+    pub(super) fn move_outset(
+        &mut self,
+        (stored, bent): ([Lane<S>; 2], Lane<S>),
+        done: &[bool; LANES],
+    ) {
         let (simd, n) = (self.chain.simd, self.chain.n);
         let done = self.flags(done);
         let keep = |new: S::f64s, old: &mut S::f64s| {
             *old = done.positive().select(Lane::new(simd, new), Lane::new(simd, *old)).value;
         };
         let (ends, out) = (&self.chain.ends, &mut self.outset);
+        keep(bent.value, &mut out.bent);
         for (k, (frame, segment)) in
             [(&ends.root_frame, 0), (&ends.tip_frame, n - 1)].into_iter().enumerate()
         {

@@ -50,6 +50,7 @@ impl<S: Simd> BatchMemory for SimdBatch<S> {
             }
             numbers = tail;
         }
+        self.set_nozzle(lane, self.inside(lane));
         self.chain.laws.iter_mut().fold(numbers, |numbers, laws| laws.restore(lane, numbers))
     }
 
@@ -79,6 +80,9 @@ impl<S: Simd> BatchMemory for SimdBatch<S> {
         self.chain.q.copy_from_slice(&self.before.q);
         self.chain.force.copy_from_slice(&self.before.force);
         self.chain.ends.put_back(&self.before.ends);
+        for lane in 0..S::F64_LANES {
+            self.set_nozzle(lane, self.inside(lane));
+        }
         if !self.before.phi.is_empty() {
             self.phi.copy_from_slice(&self.before.phi);
         }
@@ -101,25 +105,28 @@ impl<S: Simd> BatchMemory for SimdBatch<S> {
 
 impl<S: Simd> SimdBatch<S> {
     /// Every array that a lane's future depends on, except the memory of section laws.
-    pub(super) fn arrays(&self) -> [&[S::f64s]; 18] {
+    pub(super) fn arrays(&self) -> [&[S::f64s]; 19] {
         let [a, b, c] = self.nodes.arrays();
         let [d, e, f] = self.directors.arrays();
         let [g, h, i] = self.joints.arrays();
         let RotationChain { q, force, ends, .. } = &self.chain;
-        let flags = [&ends.root_free, &ends.root_joint, &ends.tip_held, &ends.tip_joint];
-        let [j, k, l, m] = flags.map(std::slice::from_ref);
-        [a, b, c, d, e, f, g, h, i, j, k, l, m, &self.r, &self.phi, q, force, &ends.tip_reaction]
+        let flags =
+            [&ends.root_free, &ends.root_joint, &ends.tip_held, &ends.tip_joint, &ends.inside];
+        let [j, k, l, m, x] = flags.map(std::slice::from_ref);
+        let (r, phi) = (&self.r, &self.phi);
+        [a, b, c, d, e, f, g, h, i, j, k, l, m, x, r, phi, q, force, &ends.tip_reaction]
     }
 
     /// Every array that a lane's future depends on, mutable, in the order of [`Self::arrays`].
-    pub(super) fn arrays_mut(&mut self) -> [&mut [S::f64s]; 18] {
+    pub(super) fn arrays_mut(&mut self) -> [&mut [S::f64s]; 19] {
         let [a, b, c] = self.nodes.arrays_mut();
         let [d, e, f] = self.directors.arrays_mut();
         let [g, h, i] = self.joints.arrays_mut();
         let RotationChain { q, force, ends, .. } = &mut self.chain;
-        let Ends { root_free, root_joint, tip_held, tip_joint, tip_reaction, .. } = ends;
-        let [j, k, l, m] = [root_free, root_joint, tip_held, tip_joint].map(std::slice::from_mut);
+        let Ends { root_free, root_joint, tip_held, tip_joint, tip_reaction, inside, .. } = ends;
+        let flags = [root_free, root_joint, tip_held, tip_joint, inside];
+        let [j, k, l, m, x] = flags.map(std::slice::from_mut);
         let (r, phi) = (&mut self.r, &mut self.phi);
-        [a, b, c, d, e, f, g, h, i, j, k, l, m, r, phi, q, force, tip_reaction]
+        [a, b, c, d, e, f, g, h, i, j, k, l, m, x, r, phi, q, force, tip_reaction]
     }
 }

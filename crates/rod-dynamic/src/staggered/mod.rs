@@ -42,6 +42,7 @@ mod memory;
 mod model;
 mod natural;
 mod newton;
+mod nozzle;
 mod outset;
 mod readout;
 mod response;
@@ -61,6 +62,7 @@ pub use equilibrium::{EquilibriumError, equilibrium};
 pub use natural::{
     FittedFiber, bounded_natural_curvatures, fitted, fitted_end_load, natural_curvatures,
 };
+pub use nozzle::segments_in_nozzle;
 pub use search::expected_error;
 pub use single::Staggered;
 pub use velocities::StepVelocity;

@@ -8,6 +8,8 @@ pub(super) struct Outset<S: Simd> {
     pub(super) forces: [[S::f64s; 3]; 2],
     /// Elastic energies of the joints at the two ends, J, zero where there is none.
     pub(super) stored: [S::f64s; 2],
+    /// Elastic energy of all other joints, J, of fibres that are fed through a nozzle.
+    pub(super) bent: S::f64s,
     /// Force and moment of the loads on supported ends, N and N m, world; zero at others.
     pub(super) loads: [[[S::f64s; 3]; 2]; 2],
     /// Weight of the reactions after the step in their mean over the step; the reactions before it
@@ -22,6 +24,7 @@ impl<S: Simd> Outset<S> {
             frames: [[zero; 4]; 2],
             forces: [[zero; 3]; 2],
             stored: [zero; 2],
+            bent: zero,
             loads: [[[zero; 3]; 2]; 2],
             share: zero,
         }

@@ -18,6 +18,8 @@ pub(super) trait BatchReadout {
     fn momentum(&self, lane: usize) -> Momentum;
     /// Position (m) and velocity (m/s) of a node, world frame.
     fn node(&self, lane: usize, node: usize) -> (Point3<f64>, Vector3<f64>);
+    /// How much of the lane's fibre is inside a nozzle, m.
+    fn inside_nozzle(&self, lane: usize) -> f64;
     /// Whether root and tip of the lane are clamped.
     fn clamps(&self, lane: usize) -> [bool; 2];
     /// Directors d1 and d2 of a segment of the lane, where a step under way has been solved to,
@@ -33,12 +35,11 @@ impl<S: Simd> BatchReadout for SimdBatch<S> {
         let [root, tip] = self.chain.ends.joined(lane);
         let curvatures = (0..=n)
             .map(|j| {
-                let rest = self.vector(&self.chain.model.rest, j, lane);
                 if (j == 0 && !root) || (j == n && !tip) {
                     return nodes[j].natural_curvature;
                 }
-                let strain = self.vector(&self.phi, j, lane) - rest;
-                nodes[j].natural_curvature + strain / Joint::new(&rod.fiber, j).length
+                let length = Joint::new(&rod.fiber, j).length / self.stiffening(lane, j);
+                nodes[j].natural_curvature + self.strain(lane, j) / length
             })
             .collect();
         RodState {
@@ -70,9 +71,7 @@ impl<S: Simd> BatchReadout for SimdBatch<S> {
                 _ => true,
             };
             if joined {
-                let strain =
-                    self.vector(&self.phi, a, lane) - self.vector(&self.chain.model.rest, a, lane);
-                energy.elastic += self.stored(lane, a, &strain);
+                energy.elastic += self.stored(lane, a, &self.strain(lane, a));
             }
         }
         for e in 0..n {
@@ -105,6 +104,10 @@ impl<S: Simd> BatchReadout for SimdBatch<S> {
 
     fn node(&self, lane: usize, node: usize) -> (Point3<f64>, Vector3<f64>) {
         (self.vector(&self.r, node, lane).into(), self.vector(&self.nodes.v, node, lane))
+    }
+
+    fn inside_nozzle(&self, lane: usize) -> f64 {
+        self.inside(lane)
     }
 
     fn clamps(&self, lane: usize) -> [bool; 2] {
@@ -153,13 +156,20 @@ impl<S: Simd> SimdBatch<S> {
         [d2 * spin - d3 * axis.dot(&d1), -d1 * spin - d3 * axis.dot(&d2)]
     }
 
+    /// By how much the rotation vector of joint `j` of one lane differs from the natural one at the
+    /// start of the step, rad.
+    pub(super) fn strain(&self, lane: usize, j: usize) -> Vector3<f64> {
+        let rest = self.vector(&self.chain.model.rest, j, lane) / self.stiffening(lane, j);
+        self.vector(&self.phi, j, lane) - rest
+    }
+
     /// Elastic energy of joint `j` of one lane, J, where its rotation vector differs by `strain`
     /// (rad) from the natural one.
     pub(super) fn stored(&self, lane: usize, j: usize, strain: &Vector3<f64>) -> f64 {
         let by_law = self.chain.laws.as_ref().and_then(|laws| laws.stored(lane, j, strain));
         by_law.unwrap_or_else(|| {
             let stiffness = self.vector(&self.chain.model.stiffness, j, lane);
-            0.5 * strain.dot(&stiffness.component_mul(strain))
+            0.5 * self.stiffening(lane, j) * strain.dot(&stiffness.component_mul(strain))
         })
     }
 }

@@ -43,6 +43,9 @@ pub(super) struct SimdBatch<S: Simd> {
     pub(super) absorbed: [[S::f64s; 3]; 2],
     /// Additional forces on the nodes, N (3 per node), empty until set.
     pub(super) node_forces: Array<S>,
+    /// Stiffness of springs that hold nodes, N/m (1 per node), and the places that they pull to, m
+    /// (3 per node), empty until set.
+    pub(super) springs: [Array<S>; 2],
     /// Forces of joints on the nodes at the end of the step, N (3 per node), empty until set.
     pub(super) joint_forces: Array<S>,
     /// What these have changed by since the last linearisation, N (3 per node), empty until set.
@@ -110,6 +113,7 @@ impl<S: Simd> SimdBatch<S> {
             moments: zeros::<S>(0),
             absorbed: [[S::f64s::zeroed(); 3]; 2],
             node_forces: zeros::<S>(0),
+            springs: [zeros::<S>(0), zeros::<S>(0)],
             joint_forces: zeros::<S>(0),
             joint_changes: zeros::<S>(0),
             joint_moments: zeros::<S>(0),
@@ -178,18 +182,21 @@ impl<S: Simd> SimdBatch<S> {
             rates.v += self.jump(a);
             let (du, vc) = stage.predict(rates);
             let (length, tangent) = self.reach(&self.chain.room.d_start, a);
-            let drag = across * length;
+            let outside = self.chain.outside(a).unwrap_or(one);
+            let drag = across * length * outside;
             let inertial = mass * stage.c1;
-            let mu = drag.mul_add(stage.cv, inertial);
+            let (spring, pull) = self.spring(a, self.chain.vec(&self.r, a));
+            let mu = drag.mul_add(stage.cv, inertial) + spring;
             // Drag along the fibre is smaller than across it: the difference is taken from the
             // velocity at the start of the step, where it is stable for being the smaller part:
             // before all impulses, which also bear what else would move the fibre.
             let slip = tangent.dot(before - wind) * excess * length.recip();
             let b = du.scale(inertial)
-                + gravity.scale(mass)
-                + distributed.scale(length)
+                + gravity.scale(mass * outside)
+                + distributed.scale(length * outside)
                 + (wind - vc).scale(drag)
-                + tangent.scale(slip)
+                + tangent.scale(slip * outside)
+                + pull
                 + self.chain.vec_or_zero(&self.node_forces, a)
                 + self.chain.vec_or_zero(&self.joint_forces, a);
             let held = match a {
@@ -227,8 +234,7 @@ impl<S: Simd> SimdBatch<S> {
         let damping = Lane::new(simd, self.damping);
         let factor = damping.mul_add(stage.cv, one);
         for j in 0..=n {
-            let mut stiffness = self.chain.vec(&self.chain.model.stiffness, j);
-            let mut target = self.chain.vec(&self.chain.model.rest, j);
+            let [mut stiffness, mut target] = self.chain.bending(j);
             if self.any_damping {
                 let (_, vc) = stage.predict(self.joints.rates(&self.chain, j));
                 let phi = self.chain.vec(&self.phi, j);
@@ -285,6 +291,18 @@ impl<S: Simd> SimdBatch<S> {
             }
         }
         (length, tangent)
+    }
+
+    /// Stiffness of the spring that holds node `a`, N/m, and its force on the node at a place, N.
+    #[inline(always)]
+    pub(super) fn spring(&self, a: usize, place: V3<S>) -> (Lane<S>, V3<S>) {
+        let [stiffness, places] = &self.springs;
+        if stiffness.is_empty() {
+            let none = Lane::splat(self.chain.simd, 0.0);
+            return (none, V3::splat(self.chain.simd, 0.0));
+        }
+        let stiffness = self.chain.one(stiffness, a);
+        (stiffness, (self.chain.vec(places, a) - place).scale(stiffness))
     }
 
     /// Jump of the velocity of node `a` by its impulse, m/s, world.

@@ -110,6 +110,13 @@ impl<S: Simd> RotationChain<S> {
         (to, spin(before, to.directors(), expected))
     }
 
+    /// Spin of segment `e` over the step, rad, where a rotation `to` is given to it.
+    #[inline(always)]
+    pub(super) fn spin_to(&self, e: usize, to: Quat<S>) -> Lane<S> {
+        let still = Lane::splat(self.simd, 0.0);
+        self.tied(e, spin(self.directors_before(e), to.directors(), still))
+    }
+
     /// Spin of segment `e` over the step, rad, without the whole turns that it is ahead of the
     /// segment before, or of a root that is clamped and turns by less than half a turn.
     #[inline(always)]

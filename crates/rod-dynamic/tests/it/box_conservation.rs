@@ -13,6 +13,7 @@ fn free_flight() -> Steady {
         root: End::FREE,
         tip: End::FREE,
         air: None,
+        inside: 0.0,
     })
 }
 
@@ -99,6 +100,7 @@ fn shaken(turn: &UnitQuaternion<f64>, steps: usize) -> BoxIntegrator {
                 wind: turn * Vector3::new(0.5, 0.0, 0.2),
                 drag: Drag { normal: 1e-5, tangential: 5e-6 },
             }),
+            inside: 0.0,
         }
     };
     for _ in 0..steps {

@@ -25,6 +25,7 @@ fn nothing() -> Instant {
         root: End::FREE,
         tip: End::FREE,
         air: None,
+        inside: 0.0,
     }
 }
 

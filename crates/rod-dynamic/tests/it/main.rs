@@ -15,6 +15,7 @@ mod common;
 mod linear_frequencies;
 mod linear_stability;
 mod natural;
+mod nozzle;
 mod properties;
 mod staggered_agreement;
 mod staggered_arms;

@@ -113,6 +113,7 @@ proptest! {
             root: end(&ends.0, root, velocities.0, [weight, pinned], t),
             tip: end(&ends.1, tip, velocities.1, [weight, pinned], t),
             air,
+            inside: 0.0,
         };
         let options = BoxOptions::with_damping(rho).expect("in range");
         let scheme = BoxIntegrator::new(rod.clone(), options).expect("valid");

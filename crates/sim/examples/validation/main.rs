@@ -93,7 +93,8 @@ const NOT_RUN: [NotRun; 5] = [
     },
     NotRun {
         title: "Coiling: radius and frequency against height",
-        why: "a fibre cannot be fed from a nozzle",
+        why: "rods are fed and coil, see `contact/coiling`, but have not been measured against the \
+              steady coil yet",
     },
 ];
 

@@ -5,8 +5,8 @@ use super::placed::{Laid, placed, untwisted};
 use super::stage::BuildStage;
 use crate::SimError;
 use crate::curve::knot;
-use crate::scene::{Arrangement, Bundle, FiberMatter, FiberShape, Initial, Scene, scalp};
-use nalgebra::{Isometry3, Point3, Rotation3, UnitQuaternion, Vector3};
+use crate::scene::{Arrangement, Bundle, Feed, FiberMatter, FiberShape, Initial, Scene, scalp};
+use nalgebra::{Isometry3, Point3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use rapunzel_coupling::{BundleConditions, FiberConditions};
 use rapunzel_fiber::generate::{self, Ellipse, Helix, Lock, Overhand, Sine};
 use rapunzel_fiber::{Fiber, FiberError, NodeProperties, so3};
@@ -120,6 +120,7 @@ pub(super) fn starts(
     let conditions = conditions.map_err(|source| SimError::Rod { bundle: index, source })?;
     let conditions = Arc::new(conditions);
     let turns = bundle.closed.map_or(0.0, |closing| closing.turns);
+    let fed = bundle.feed.as_ref().map_or(0.0, Feed::starting_speed);
     let start = |Laid { fiber, mut state, tip }| {
         let rod = Rod { laws: laws.clone(), ..Rod::damped(fiber, bundle.damping_time) };
         if turns != 0.0 {
@@ -134,7 +135,7 @@ pub(super) fn starts(
             bundle: index,
             state,
             tip,
-            velocity: Vector3::from(bundle.velocity),
+            velocity: Vector3::from(bundle.velocity) + fed * (rod.fiber.root() * Vector3::z()),
             spin: (
                 Vector3::from(bundle.spin.rate.map(f64::to_radians)),
                 Point3::from(bundle.spin.about.unwrap_or(bundle.root.position)),
@@ -231,6 +232,22 @@ fn natural(bundle: &Bundle, matter: &FiberMatter, seed: u64) -> Result<Vec<Fiber
             fiber = fiber.with_root(pose);
         }
     }
+    let fibers = arranged(bundle, fiber, pose, seed)?;
+    let inside = bundle.feed.as_ref().map_or(0.0, |feed| feed.inside);
+    let behind = |fiber: Fiber| {
+        let root = fiber.root() * Translation3::new(0.0, 0.0, -inside);
+        fiber.with_root(root)
+    };
+    if inside > 0.0 { Ok(fibers.into_iter().map(behind).collect()) } else { Ok(fibers) }
+}
+
+/// The fibres of a bundle, which are all like one but for where the arrangement puts them.
+fn arranged(
+    bundle: &Bundle,
+    fiber: Fiber,
+    pose: Isometry3<f64>,
+    seed: u64,
+) -> Result<Vec<Fiber>, FiberError> {
     match bundle.arrangement {
         Arrangement::Single => Ok(vec![fiber]),
         Arrangement::Ellipse { semi_axes: [a, b], count } => {

@@ -15,6 +15,7 @@ mod crossed;
 mod crossing;
 mod drum;
 mod ends;
+mod feed;
 mod grippers;
 mod grooms;
 mod joints;
