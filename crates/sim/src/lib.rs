@@ -25,6 +25,7 @@ mod steppers;
 mod storage;
 pub mod style;
 mod summary;
+mod touches;
 mod volumes;
 mod world;
 
@@ -46,5 +47,6 @@ pub use shown::{Shown, ShownFrame, ShownStage};
 pub use stepper::{FiberStates, NodePull, Scenery, Stepper};
 pub use storage::write_atomically;
 pub use summary::{LeftOut, Outcome, Statistics, Summary};
+pub use touches::Touch;
 pub use volumes::bounding_boxes;
 pub use world::{Snapshot, World};

@@ -1,5 +1,6 @@
 use crate::SimError;
 use crate::scene::Hold;
+use crate::touches::Touch;
 use nalgebra::{Point3, Vector3};
 use rapunzel_charging::ChargedRods;
 use rapunzel_coupling::{EnergyLedger, FibersInContact, StepReport, Stopwatch, Surroundings};
@@ -129,6 +130,11 @@ pub trait Stepper: Send + Sync {
     /// Whether something holds a node now.
     fn is_held(&self, _node: usize) -> bool {
         false
+    }
+
+    /// Where something touched in the last step that is no fibre in contact.
+    fn touches(&self) -> Vec<Touch> {
+        Vec::new()
     }
 
     /// The fibres with their contacts, if there are any.
