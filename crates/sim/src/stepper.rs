@@ -1,6 +1,5 @@
 use crate::SimError;
 use crate::scene::Hold;
-use crate::touches::Touch;
 use nalgebra::{Point3, Vector3};
 use rapunzel_charging::ChargedRods;
 use rapunzel_coupling::{EnergyLedger, FibersInContact, StepReport, Stopwatch, Surroundings};
@@ -10,6 +9,16 @@ use rapunzel_fiber::Assembly;
 use rapunzel_rod_dynamic::{Energy, Momentum, RodState};
 use rapunzel_studio::sheet::Support;
 use std::ops::Range;
+
+/// A place where two things touched in the last step, with a force.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Touch {
+    /// Where, m, world.
+    pub place: Point3<f64>,
+    /// Mean force on the first of the two, N, world: over the last part of a step of fibres, over
+    /// the last step of nodes of springs.
+    pub force: Vector3<f64>,
+}
 
 /// Something that moves, with its whole state: the seam between a [world](crate::World), which has
 /// a clock, an environment and objects, and what is in it.

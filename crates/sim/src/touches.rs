@@ -1,18 +1,8 @@
 //! Where things touch, whatever they are.
 
 use crate::World;
-use nalgebra::{Point3, Vector3};
+use crate::stepper::Touch;
 use rapunzel_coupling::{ActiveContact, BodyRef};
-
-/// A place where two things touched in the last step, with a force.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Touch {
-    /// Where, m, world.
-    pub place: Point3<f64>,
-    /// Mean force on the first of the two, N, world: over the last part of a step of fibres, over
-    /// the last step of nodes of springs.
-    pub force: Vector3<f64>,
-}
 
 impl World {
     /// Where things touched in the last step: fibres each other, themselves and objects, objects

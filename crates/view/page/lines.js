@@ -1,5 +1,5 @@
-// Hair as lines that the page draws itself. Where a browser draws without a graphics card, this takes
-// a tenth of the time: triangles cost it most, and hair is about a pixel wide.
+// Hair as lines that the page draws itself. Where a browser draws without a graphics card, this
+// takes a tenth of the time: triangles cost it most, and hair is about a pixel wide.
 
 import { build } from "./gl.js";
 

@@ -1,7 +1,7 @@
 // The page: what is shown, and what its parts tell each other.
 
 import { Camera } from "./camera.js";
-import { COLORS, UNITS, colorName, faster, fillChoices, makeKnobs, showValues, showWind } from "./controls.js";
+import { COLORS, UNITS, colorName, faster, fillChoices, makeKnobs } from "./controls.js";
 import { showGallery } from "./gallery.js";
 import { Hand } from "./hand.js";
 import { Hurry } from "./hurry.js";
@@ -11,8 +11,9 @@ import { lookOf, showRuler } from "./look.js";
 import { Painter } from "./painter.js";
 import { pickObject } from "./pick.js";
 import { Plots } from "./plot.js";
-import { fillRows, plots } from "./readings.js";
+import { plots } from "./readings.js";
 import { say, status } from "./say.js";
+import { Teller } from "./teller.js";
 import { PlainPainter, Traced } from "./traced.js";
 import { languageNow, quantity, setLanguage, word } from "./words.js";
 
@@ -39,6 +40,10 @@ try {
 const charts = new Plots($("plots"));
 charts.format = quantity;
 const redraw = () => (page.stale = true);
+const teller = new Teller(page, charts, () => {
+  showLegend();
+  redraw();
+});
 
 const link = new Link({
   open: () => status(""),
@@ -65,7 +70,7 @@ const link = new Link({
     }
   },
   picture: (picture) => page.traced.show(picture),
-  state: showState,
+  state: (state) => teller.hear(state),
   complaint(text) {
     page.traced.fail();
     say(text.message, true);
@@ -134,38 +139,6 @@ function showAbout(about) {
   } else if (isOther && !about.warning) {
     say(page.painter.isPlain && about.kind !== "gallery" ? word("noWebgl") : "");
   }
-}
-
-function showState(state) {
-  page.state = { ...state, names: page.about.readings, has_contacts: page.about.has_contacts };
-  $("run").querySelector("use").setAttribute("href", state.runs ? "#i-pause" : "#i-run");
-  $("run").toggleAttribute("data-on", Boolean(state.runs));
-  $("run").setAttribute("aria-label", word(state.runs ? "pause" : "run"));
-  const behind = state.lag > 0.05 ? ` <small>−${quantity(state.lag, "s")}</small>` : "";
-  const reached = state.measured ? ` <small>${quantity(state.measured)} ×</small>` : "";
-  $("clock").innerHTML = state.time === undefined ? "" : `${quantity(state.time, "s")}${reached}${behind}`;
-  if (state.speed && document.activeElement !== $("speed")) $("speed").value = String(state.speed);
-  if (state.frames !== undefined) {
-    $("slider").max = state.frames - 1;
-    if (document.activeElement !== $("slider")) $("slider").value = state.frame;
-    $("frame-text").textContent = `${state.frame + 1}/${state.frames}`;
-    $("slider-box").hidden = state.frames < 2;
-  }
-  fillRows($("readings"), page.state, page.painter.frame);
-  if (page.about.kind === "live") {
-    charts.push(page.state);
-    showValues(state.values ?? {});
-  }
-  showWind(state.wind);
-  showLegend();
-  redraw();
-  if (state.failure && page.failure !== state.failure) {
-    say(word("failed", { message: state.failure }), true);
-  } else if (!state.failure && page.failure) {
-    say("");
-  }
-  page.failure = state.failure;
-  $("over").setAttribute("aria-pressed", String(Boolean(state.over)));
 }
 
 function showLegend() {

@@ -14,8 +14,8 @@ const SHADOW = 1024;
 // Where textures are bound, and the names by which shaders know them.
 const [POINTS, COLORS, RADII, DENSITY, LINES, DEPTHS] = [1, 2, 3, 4, 5, 6];
 const UNITS = { uShadow: 0, uPoints: POINTS, uColors: COLORS, uRadii: RADII, uDensity: DENSITY };
-// Without a graphics card, hair of more points than these is always drawn in a hurry: a whole picture
-// would keep everything waiting for half a second or more.
+// Without a graphics card, hair of more points than these is always drawn in a hurry: a whole
+// picture would keep everything waiting for half a second or more.
 const MOST_POINTS = 25_000;
 // More held roots of fibres than these are not marked.
 const MOST_ROOTS = 30;

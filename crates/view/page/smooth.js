@@ -5,7 +5,7 @@ const SAMPLES = 4;
 export class Smooth {
   constructor(gl) {
     Object.assign(this, { gl, buffer: gl.createFramebuffer(), parts: [], width: 0, height: 0 });
-    // A picture is shown only from a buffer that has the format of the canvas, which no browser tells.
+    // A picture is shown only from a buffer of the format of the canvas, which no browser tells.
     this.format = [gl.RGB8, gl.RGBA8].find((format) => this.fits(format));
   }
 

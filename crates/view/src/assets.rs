@@ -36,6 +36,7 @@ pub(crate) fn asset(path: &str) -> Option<(&'static str, &'static [u8])> {
         "/say.js" => (SCRIPT, page!("say.js")),
         "/shaders.js" => (SCRIPT, page!("shaders.js")),
         "/smooth.js" => (SCRIPT, page!("smooth.js")),
+        "/teller.js" => (SCRIPT, page!("teller.js")),
         "/textures.js" => (SCRIPT, page!("textures.js")),
         "/traced.js" => (SCRIPT, page!("traced.js")),
         "/words.js" => (SCRIPT, page!("words.js")),

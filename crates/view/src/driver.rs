@@ -52,8 +52,8 @@ pub(crate) struct Driver {
     framed: Instant,
     /// What the last frame took.
     frame_cost: Duration,
-    /// Whether a hand has moved since the last step, and whether a step has felt that since the last
-    /// frame, which is to be seen soon.
+    /// Whether a hand has moved since the last step, and whether a step has felt that since the
+    /// last frame, which is to be seen soon.
     hand_moved: bool,
     hand_felt: bool,
     told: Instant,

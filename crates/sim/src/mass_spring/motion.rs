@@ -2,7 +2,7 @@ use super::space::{flat, in_world, spatial};
 use super::strands::{Polyline, places, polylines, strand, surface};
 use crate::NodePull;
 use crate::scene::{Hold, Integrator, MassSpring, NodeLoad};
-use crate::touches::Touch;
+use crate::stepper::Touch;
 use nalgebra::{Point3, SVector, Vector3};
 use rapunzel_collision::field::HalfSpace;
 use rapunzel_coupling::CollisionObject;

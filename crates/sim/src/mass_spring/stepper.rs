@@ -1,8 +1,7 @@
 use super::build::{build, readings};
 use super::motion::ErasedSystem;
 use crate::scene::{Hold, MassSpring};
-use crate::stepper::{Scenery, Stepper};
-use crate::touches::Touch;
+use crate::stepper::{Scenery, Stepper, Touch};
 use crate::{NodePull, SimError};
 use nalgebra::{Point3, Vector3};
 use rapunzel_coupling::TimeInterval;

@@ -4,7 +4,7 @@ use rapunzel_sim::Touch;
 
 const G: f64 = 9.81;
 
-/// What a body of springs gains in momentum in a step is what the ground gives and its weight takes.
+/// What a body of springs gains in momentum in a step is what the ground gives, less its weight.
 #[test]
 fn the_ground_gives_a_body_of_springs_its_momentum() {
     let (mass, dt) = (0.01, 4e-3);
@@ -85,9 +85,11 @@ fn a_torn_hair_takes_shorter_steps_and_does_not_cross_a_ball() {
             path: [(time: 0.0, position: (0.09, 0.0, -0.07))])])"
     ));
     let ball = Point3::new(0.012, 0.0, -0.07);
-    let (mut halvings, mut nearest, mut fastest) = (0, f64::INFINITY, 0.0_f64);
+    let (mut halvings, mut touches) = (0, 0);
+    let (mut nearest, mut fastest) = (f64::INFINITY, 0.0_f64);
     for _ in 0..100 {
         halvings += run.step().halvings;
+        touches += run.world.touches().count();
         for fiber in 0..run.fibers() {
             let state = run.world.state(fiber);
             let pairs = state.positions.windows(2);
@@ -96,6 +98,6 @@ fn a_torn_hair_takes_shorter_steps_and_does_not_cross_a_ball() {
         }
     }
     // It is torn by more than the size of the ball in a step, touches it, and stays out of it.
-    assert!(nearest > radius && nearest < 1.05 * radius, "{nearest}");
+    assert!(nearest > radius && touches > 0, "{nearest} m, {touches} touches");
     assert!(fastest * 1e-3 > 2.0 * radius && halvings > 0, "{fastest} m/s, {halvings} halvings");
 }
