@@ -17,6 +17,28 @@ pub struct Surface {
     pub friction: f64,
 }
 
+/// What a node touches.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Touched {
+    /// Another node.
+    Node(usize),
+    /// An obstacle, by its place in the list.
+    Obstacle(usize),
+}
+
+/// A contact that was resolved.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NodeTouch {
+    /// The node; of two the one with the smaller number.
+    pub node: usize,
+    /// What it touches.
+    pub touched: Touched,
+    /// Where, m, world: on the surface of the obstacle, or midway between the nodes.
+    pub place: Point3<f64>,
+    /// Impulse on the node, N s, world.
+    pub impulse: Vector3<f64>,
+}
+
 /// Contacts of nodes as balls, resolved after every step: velocities change by impulses, and
 /// positions are moved out of penetration.
 ///
@@ -27,6 +49,7 @@ pub struct Surface {
 pub struct Contacts {
     surface: Surface,
     mutual: Option<Mutual>,
+    touches: Vec<NodeTouch>,
 }
 
 /// Search for contacts among nodes.
@@ -65,7 +88,7 @@ impl Contacts {
         } else {
             None
         };
-        Ok(Self { surface, mutual })
+        Ok(Self { surface, mutual, touches: Vec::new() })
     }
 
     /// Resolves all contacts of the present state, among nodes and then with one obstacle after the
@@ -84,11 +107,11 @@ impl Contacts {
             let expected = "at most the three of the world".to_owned();
             return Err(SpringError::Count { what: "dimensions", found: D, expected });
         }
-        let mut count = 0;
+        self.touches.clear();
         if let Some(mutual) = &mut self.mutual {
-            count += mutual.resolve(system, &self.surface)?;
+            mutual.resolve(system, &self.surface, &mut self.touches)?;
         }
-        for obstacle in obstacles {
+        for (index, obstacle) in obstacles.iter().enumerate() {
             for node in 0..system.nodes() {
                 let place = in_world(&system.positions.get(node));
                 let touch = obstacle.touch(&place);
@@ -104,11 +127,23 @@ impl Contacts {
                     let impulse = self.surface.impulse(&velocity, &normal, &yielding);
                     system.impel(node, &impulse);
                     system.shift(node, &(normal * (-gap / lean)));
-                    count += 1;
+                    self.touches.push(NodeTouch {
+                        node,
+                        touched: Touched::Obstacle(index),
+                        place: place - in_world(&normal).coords * touch.value,
+                        impulse: in_world(&impulse).coords,
+                    });
                 }
             }
         }
-        Ok(count)
+        Ok(self.touches.len())
+    }
+
+    /// The contacts that were resolved last: those among nodes, then those with one obstacle after
+    /// the other.
+    #[must_use]
+    pub fn touches(&self) -> &[NodeTouch] {
+        &self.touches
     }
 }
 
@@ -175,7 +210,8 @@ impl Mutual {
         &mut self,
         system: &mut System<D>,
         surface: &Surface,
-    ) -> Result<usize, SpringError> {
+        touches: &mut Vec<NodeTouch>,
+    ) -> Result<(), SpringError> {
         self.positions.clear();
         self.positions.extend(
             (0..system.nodes()).flat_map(|node| [in_world(&system.positions.get(node)); 2]),
@@ -192,7 +228,6 @@ impl Mutual {
             .filter(|&pair| gap(system, pair) < 0.0 && !self.connected.contains(&pair))
             .collect();
         touching.sort_unstable();
-        let mut count = 0;
         for [i, j] in touching {
             let apart = system.positions.get(j) - system.positions.get(i);
             let yielding = system.yielding_apart(i, j);
@@ -209,12 +244,17 @@ impl Mutual {
             let velocity = system.velocities.get(j) - system.velocities.get(i);
             let impulse = surface.impulse(&velocity, &normal, &yielding);
             let shift = normal * (-gap / lean);
+            touches.push(NodeTouch {
+                node: i,
+                touched: Touched::Node(j),
+                place: in_world(&(system.positions.get(i) + 0.5 * apart)),
+                impulse: in_world(&-impulse).coords,
+            });
             system.impel(i, &-impulse);
             system.impel(j, &impulse);
             system.shift(i, &-shift);
             system.shift(j, &shift);
-            count += 1;
         }
-        Ok(count)
+        Ok(())
     }
 }

@@ -36,7 +36,7 @@ pub use bend::BendResistance;
 pub use body::LatticeBody;
 pub use chain::RigidChain;
 pub use columns::NodeVectors;
-pub use contact::{Contacts, Surface};
+pub use contact::{Contacts, NodeTouch, Surface, Touched};
 pub use element::Element;
 pub use enclosure::Enclosure;
 pub use energy::SpringEnergy;

@@ -25,6 +25,7 @@ mod steppers;
 mod storage;
 pub mod style;
 mod summary;
+mod touches;
 mod volumes;
 mod world;
 
@@ -43,7 +44,7 @@ pub use rapunzel_coupling::{
 pub use rapunzel_scene::{self as scene, Plan, Scene};
 pub use run::{Cancel, Control, Progress, run};
 pub use shown::{Shown, ShownFrame, ShownStage};
-pub use stepper::{FiberStates, NodePull, Scenery, Stepper};
+pub use stepper::{FiberStates, NodePull, Scenery, Stepper, Touch};
 pub use storage::write_atomically;
 pub use summary::{LeftOut, Outcome, Statistics, Summary};
 pub use volumes::bounding_boxes;

@@ -10,6 +10,16 @@ use rapunzel_rod_dynamic::{Energy, Momentum, RodState};
 use rapunzel_studio::sheet::Support;
 use std::ops::Range;
 
+/// A place where two things touched in the last step, with a force.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Touch {
+    /// Where, m, world.
+    pub place: Point3<f64>,
+    /// Mean force on the first of the two, N, world: over the last part of a step of fibres, over
+    /// the last step of nodes of springs.
+    pub force: Vector3<f64>,
+}
+
 /// Something that moves, with its whole state: the seam between a [world](crate::World), which has
 /// a clock, an environment and objects, and what is in it.
 ///
@@ -129,6 +139,11 @@ pub trait Stepper: Send + Sync {
     /// Whether something holds a node now.
     fn is_held(&self, _node: usize) -> bool {
         false
+    }
+
+    /// Where something touched in the last step that is no fibre in contact.
+    fn touches(&self) -> Vec<Touch> {
+        Vec::new()
     }
 
     /// The fibres with their contacts, if there are any.

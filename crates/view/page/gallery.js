@@ -5,7 +5,8 @@ import { word } from "./words.js";
 const KINDS = ["rope", "net", "body", "round", "fibers", "contact", "charge"];
 const names = { contact: "contactKind", charge: "chargeKind" };
 
-export function showGallery(parent, scenes, open) {
+// `scenes` by their kinds, and after them what else ships, with why it is not here.
+export function showGallery(parent, scenes, leftOut, open) {
   parent.replaceChildren();
   for (const kind of KINDS) {
     const own = scenes.filter((scene) => scene.kind === kind);
@@ -17,6 +18,22 @@ export function showGallery(parent, scenes, open) {
     cards.append(...own.map((scene) => card(scene, open)));
     parent.append(title, cards);
   }
+  if (leftOut.length > 0) parent.append(others(leftOut));
+}
+
+function others(leftOut) {
+  const part = document.createElement("section");
+  const title = document.createElement("h2");
+  title.textContent = word("leftOut");
+  const list = document.createElement("dl");
+  for (const why of new Set(leftOut.map((one) => one.why))) {
+    const [term, detail] = [document.createElement("dt"), document.createElement("dd")];
+    term.textContent = word(why);
+    detail.textContent = leftOut.filter((one) => one.why === why).map((one) => one.name).join(", ");
+    list.append(term, detail);
+  }
+  part.append(title, list);
+  return part;
 }
 
 function card(scene, open) {

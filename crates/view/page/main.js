@@ -1,33 +1,31 @@
 // The page: what is shown, and what its parts tell each other.
 
 import { Camera } from "./camera.js";
-import { COLORS, UNITS, colorName, faster, fillChoices, makeKnobs, showValues, showWind } from "./controls.js";
+import { COLORS, UNITS, colorName, faster, fillChoices, makeKnobs } from "./controls.js";
 import { showGallery } from "./gallery.js";
 import { Hand } from "./hand.js";
+import { Hurry } from "./hurry.js";
 import { listen } from "./keys.js";
 import { Link, address } from "./link.js";
 import { lookOf, showRuler } from "./look.js";
 import { Painter } from "./painter.js";
 import { pickObject } from "./pick.js";
 import { Plots } from "./plot.js";
-import { fillRows, plots } from "./readings.js";
+import { plots } from "./readings.js";
 import { say, status } from "./say.js";
+import { Teller } from "./teller.js";
 import { PlainPainter, Traced } from "./traced.js";
 import { languageNow, quantity, setLanguage, word } from "./words.js";
 
 const $ = (id) => document.getElementById(id);
 const canvas = $("picture");
 const SIDES = ["front", "right", "back", "left", "top", "below"];
-// Where a picture takes so long, ms, those that follow each other have half the points and no shadow
-// of the lamp, and after so long without another comes the whole one.
-const SLOW = 45;
-const CALM = 400;
 const SIDEWAYS = { azimuth: 0.35, elevation: 0.15 };
 
 // What may be read by tests too.
 const page = {
-  about: { kind: "none" }, state: {}, mine: false, frames: 0, lastDraw: 0, cost: 0,
-  camera: new Camera(), painter: null, tool: "view", isFit: false, stale: true,
+  about: { kind: "none" }, state: {}, mine: false, frames: 0, hurry: new Hurry(),
+  camera: new Camera(), painter: null, tool: "view", isFit: false, stale: true, undrawn: 0,
 };
 window.rapunzel = page;
 
@@ -42,6 +40,10 @@ try {
 const charts = new Plots($("plots"));
 charts.format = quantity;
 const redraw = () => (page.stale = true);
+const teller = new Teller(page, charts, () => {
+  showLegend();
+  redraw();
+});
 
 const link = new Link({
   open: () => status(""),
@@ -62,13 +64,13 @@ const link = new Link({
       if (!page.isFit) fit();
       showLegend();
       redraw();
-      page.unsent = true;
+      page.undrawn++;
     } else {
-      link.send({ do: "drawn" });
+      link.send({ do: "drawn", frames: 1 });
     }
   },
   picture: (picture) => page.traced.show(picture),
-  state: showState,
+  state: (state) => teller.hear(state),
   complaint(text) {
     page.traced.fail();
     say(text.message, true);
@@ -88,7 +90,7 @@ function showAbout(about) {
   $("to-gallery").hidden = !about.has_gallery || about.kind === "gallery";
   $("gallery").hidden = about.kind !== "gallery";
   if (about.kind === "gallery") {
-    showGallery($("gallery"), about.scenes, (name) => link.send({ do: "open", name }));
+    showGallery($("gallery"), about.scenes, about.left_out, (name) => link.send({ do: "open", name }));
   }
   if (about.kind === "building") {
     const part = about.part ? `: ${word(`part_${about.part}`, about)}` : " …";
@@ -117,7 +119,7 @@ function showAbout(about) {
   $("save").hidden = !isLive;
   $("over").hidden = !about.two;
   $("trace").hidden = page.painter.isPlain || !["live", "recorded"].includes(about.kind);
-  $("contacts-box").hidden = !about.has_contacts && !about.has_pushes;
+  $("contacts-box").hidden = !about.has_touches && !about.has_pushes;
   $("field-box").hidden = !about.has_charge;
   $("tool-hand").hidden = !about.can_pull && !about.can_drag;
   $("tool-pin").hidden = !about.can_hold;
@@ -137,38 +139,6 @@ function showAbout(about) {
   } else if (isOther && !about.warning) {
     say(page.painter.isPlain && about.kind !== "gallery" ? word("noWebgl") : "");
   }
-}
-
-function showState(state) {
-  page.state = { ...state, names: page.about.readings, has_contacts: page.about.has_contacts };
-  $("run").querySelector("use").setAttribute("href", state.runs ? "#i-pause" : "#i-run");
-  $("run").toggleAttribute("data-on", Boolean(state.runs));
-  $("run").setAttribute("aria-label", word(state.runs ? "pause" : "run"));
-  const behind = state.lag > 0.05 ? ` <small>−${quantity(state.lag, "s")}</small>` : "";
-  const reached = state.measured ? ` <small>${quantity(state.measured)} ×</small>` : "";
-  $("clock").innerHTML = state.time === undefined ? "" : `${quantity(state.time, "s")}${reached}${behind}`;
-  if (state.speed && document.activeElement !== $("speed")) $("speed").value = String(state.speed);
-  if (state.frames !== undefined) {
-    $("slider").max = state.frames - 1;
-    if (document.activeElement !== $("slider")) $("slider").value = state.frame;
-    $("frame-text").textContent = `${state.frame + 1}/${state.frames}`;
-    $("slider-box").hidden = state.frames < 2;
-  }
-  fillRows($("readings"), page.state, page.painter.frame);
-  if (page.about.kind === "live") {
-    charts.push(page.state);
-    showValues(state.values ?? {});
-  }
-  showWind(state.wind);
-  showLegend();
-  redraw();
-  if (state.failure && page.failure !== state.failure) {
-    say(word("failed", { message: state.failure }), true);
-  } else if (!state.failure && page.failure) {
-    say("");
-  }
-  page.failure = state.failure;
-  $("over").setAttribute("aria-pressed", String(Boolean(state.over)));
 }
 
 function showLegend() {
@@ -252,35 +222,32 @@ const dark = () => document.documentElement.dataset.theme === "dark";
 
 function draw(now) {
   requestAnimationFrame(draw);
-  // A picture that is not done yet keeps the next one waiting.
-  if (page.drewBefore) page.cost = 0.7 * page.cost + 0.3 * (now - page.lastDraw);
-  page.drewBefore = false;
-  const hurries = page.cost > SLOW;
-  if (page.wasHurried && now - page.lastDraw > CALM) redraw();
+  const { hurry, painter } = page;
+  if (hurry.begin(now, painter)) redraw();
   if (page.lead) {
     link.send({ do: "move", to: page.lead });
     page.lead = null;
   }
-  const density = Math.min(2, window.devicePixelRatio || 1);
-  const [width, height] = [canvas.clientWidth, canvas.clientHeight].map((x) => Math.round(x * density));
-  if (width > 0 && (canvas.width !== width || canvas.height !== height)) {
-    [canvas.width, canvas.height] = [width, height];
-    redraw();
-  }
-  if (!page.stale || width === 0) return;
-  page.stale = page.painter.isPlain;
-  if (!page.painter.isPlain) page.traced.follow(page.camera);
-  page.wasHurried = hurries && now - page.lastDraw < CALM;
-  page.painter.draw(page.camera, { ...lookOf(page, hand.held, dark(), density), hurried: page.wasHurried });
+  const whole = Math.min(2, window.devicePixelRatio || 1);
+  const size = [canvas.clientWidth, canvas.clientHeight];
+  if (page.size !== `${size} ${whole}`) redraw();
+  if (!page.stale || size[0] === 0) return;
+  page.size = `${size} ${whole}`;
+  const hurried = hurry.is(painter);
+  // Without a graphics card cloth costs what it covers.
+  const density = hurried && painter.isSlow && !painter.hurriesMoving ? 0.5 * whole : whole;
+  const [width, height] = size.map((x) => Math.max(1, Math.round(x * density)));
+  if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
+  page.stale = painter.isPlain;
+  if (!painter.isPlain) page.traced.follow(page.camera);
+  painter.draw(page.camera, { ...lookOf(page, hand.held, dark(), density), hurried });
   showRuler(page.camera, canvas.clientHeight, quantity);
   showForce();
-  page.drewBefore = true;
-  page.lastDraw = now;
+  hurry.end(now, hurried);
   page.drawn = (page.drawn ?? 0) + 1;
-  if (page.unsent) {
-    page.unsent = false;
-    link.send({ do: "drawn" });
-  }
+  // Of frames that come between two pictures the last is drawn.
+  if (page.undrawn > 0) link.send({ do: "drawn", frames: page.undrawn });
+  page.undrawn = 0;
 }
 
 // How large the force of the longest arrow is.

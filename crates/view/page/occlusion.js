@@ -97,6 +97,11 @@ export class Occlusion {
     });
   }
 
+  // What the texture holds.
+  around() {
+    return { cells: this.open, side: SIDE, cell: this.cell };
+  }
+
   uniforms(isOn, target) {
     return {
       uDensityLow: this.low.map((x, k) => x - target[k]),

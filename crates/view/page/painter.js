@@ -3,16 +3,20 @@
 import { build } from "./gl.js";
 import { shaded } from "./mesh.js";
 import { add, multiply, norm, orthographic, pose, scale, sub, unit, view } from "./matrix.js";
+import { Lines } from "./lines.js";
 import { Occlusion } from "./occlusion.js";
 import { drawOverlays } from "./overlays.js";
 import { programs } from "./shaders.js";
+import { Smooth } from "./smooth.js";
+import { PointTextures } from "./textures.js";
 
 const SHADOW = 1024;
-// Texels in a row of a texture with one for each point.
-const ROW = 2048;
 // Where textures are bound, and the names by which shaders know them.
-const [POINTS, COLORS, RADII, DENSITY] = [1, 2, 3, 4];
+const [POINTS, COLORS, RADII, DENSITY, LINES, DEPTHS] = [1, 2, 3, 4, 5, 6];
 const UNITS = { uShadow: 0, uPoints: POINTS, uColors: COLORS, uRadii: RADII, uDensity: DENSITY };
+// Without a graphics card, hair of more points than these is always drawn in a hurry: a whole
+// picture would keep everything waiting for half a second or more.
+const MOST_POINTS = 25_000;
 // More held roots of fibres than these are not marked.
 const MOST_ROOTS = 30;
 
@@ -20,10 +24,12 @@ export class Painter {
   // Throws if the browser has no WebGL2.
   constructor(canvas) {
     this.canvas = canvas;
-    const wishes = { antialias: true, alpha: false, powerPreference: "high-performance" };
+    // Whole pictures are drawn smooth into a buffer of their own, and those in a hurry need not be.
+    const wishes = { antialias: false, alpha: false, powerPreference: "high-performance" };
     const gl = canvas.getContext("webgl2", wishes);
     if (!gl) throw new Error("no WebGL2");
     this.gl = gl;
+    this.isSlow = /swiftshader|llvmpipe|softpipe|software|basic render/i.test(rendererOf(gl));
     this.programs = {};
     for (const [name, code] of Object.entries(programs)) this.programs[name] = build(gl, code);
     this.marks = gl.createBuffer();
@@ -35,6 +41,8 @@ export class Painter {
     this.cloth = this.makeIndices();
     this.objects = [];
     this.occlusion = new Occlusion(gl, DENSITY);
+    this.hairLines = new Lines(gl, [LINES, DEPTHS]);
+    [this.smooth, this.textures] = [new Smooth(gl), new PointTextures(gl)];
     this.makeShadow();
     gl.bindVertexArray(this.marking);
     gl.bindBuffer(gl.ARRAY_BUFFER, this.marks);
@@ -42,6 +50,15 @@ export class Painter {
     gl.vertexAttribPointer(1, 4, gl.FLOAT, false, 28, 12);
     [0, 1].forEach((k) => gl.enableVertexAttribArray(k));
     gl.bindVertexArray(null);
+  }
+
+  // Whether hair that moves is drawn by the page itself, and hair that stands still too.
+  get hurriesMoving() {
+    return this.isSlow && this.layout !== undefined && !this.layout.springs;
+  }
+
+  get hurriesAlways() {
+    return this.hurriesMoving && this.layout.count > MOST_POINTS;
   }
 
   makeIndices() {
@@ -68,37 +85,6 @@ export class Painter {
     gl.bindVertexArray(null);
   }
 
-  // A texture with a texel for each point, in rows of 2048.
-  makeTexture(unit, format) {
-    const gl = this.gl;
-    const rows = Math.max(1, Math.ceil(this.layout.count / ROW));
-    this.textures ??= {};
-    gl.deleteTexture(this.textures[unit] ?? null);
-    this.textures[unit] = gl.createTexture();
-    gl.activeTexture(gl.TEXTURE0 + unit);
-    gl.bindTexture(gl.TEXTURE_2D, this.textures[unit]);
-    gl.texStorage2D(gl.TEXTURE_2D, 1, format, ROW, rows);
-    for (const side of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) {
-      gl.texParameteri(gl.TEXTURE_2D, side, gl.NEAREST);
-    }
-    gl.activeTexture(gl.TEXTURE0);
-  }
-
-  // Fills whole rows of a texture, then the rest.
-  fillTexture(unit, [format, type], numbers, each) {
-    const gl = this.gl;
-    gl.activeTexture(gl.TEXTURE0 + unit);
-    const [rows, rest] = [Math.floor(this.layout.count / ROW), this.layout.count % ROW];
-    const put = (row, width, height) => {
-      if (width * height === 0) return;
-      const part = numbers.subarray(each * row * ROW);
-      gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, row, width, height, format, type, part);
-    };
-    put(0, ROW, rows);
-    put(rows, rest, 1);
-    gl.activeTexture(gl.TEXTURE0);
-  }
-
   makeShadow() {
     const gl = this.gl;
     this.depth = gl.createTexture();
@@ -119,8 +105,7 @@ export class Painter {
   setLayout(layout) {
     const gl = this.gl;
     this.layout = layout;
-    this.mostForce = 0;
-    this.frame = null;
+    [this.mostForce, this.frame] = [0, null];
     const { count, counts, radii, triangles } = layout;
     const colors = new Uint8Array(4 * count);
     const ribbons = new Uint32Array(2 * count + counts.length);
@@ -147,11 +132,13 @@ export class Painter {
     this.fillIndices(this.coarse, coarse.subarray(0, few));
     this.fillIndices(this.lines, lines.subarray(0, line));
     this.fillIndices(this.cloth, triangles);
-    this.makeTexture(POINTS, gl.RGBA16UI);
-    this.makeTexture(COLORS, gl.RGBA8UI);
-    this.fillTexture(COLORS, [gl.RGBA_INTEGER, gl.UNSIGNED_BYTE], colors, 4);
-    this.makeTexture(RADII, gl.R32F);
-    this.fillTexture(RADII, [gl.RED, gl.FLOAT], radii, 1);
+    const { textures } = this;
+    textures.count = count;
+    textures.make(POINTS, gl.RGBA16UI);
+    textures.make(COLORS, gl.RGBA8UI);
+    textures.fill(COLORS, [gl.RGBA_INTEGER, gl.UNSIGNED_BYTE], colors, 4);
+    textures.make(RADII, gl.R32F);
+    textures.fill(RADII, [gl.RED, gl.FLOAT], radii, 1);
     for (const object of this.objects) {
       gl.deleteBuffer(object.buffer);
       gl.deleteVertexArray(object.array);
@@ -182,7 +169,7 @@ export class Painter {
         if (frame.points[k + axis] > this.most[axis]) this.most[axis] = frame.points[k + axis];
       }
     }
-    this.fillTexture(POINTS, [gl.RGBA_INTEGER, gl.UNSIGNED_SHORT], frame.points, 4);
+    this.textures.fill(POINTS, [gl.RGBA_INTEGER, gl.UNSIGNED_SHORT], frame.points, 4);
     this.occlusion.isOld = true;
     return true;
   }
@@ -221,15 +208,26 @@ export class Painter {
     return pose(sub([p[0], p[1], p[2]], from), [p[3], p[4], p[5], p[6]]);
   }
 
-  // Draws all; `look` says how: coloring, thickness, shadows, surfaces, marks, background, object.
+  // Draws a picture; `look` says how: coloring, thickness, shadows, surfaces, marks, colors, hurry.
   draw(camera, look) {
     const gl = this.gl;
     const { width, height } = this.canvas;
-    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-    gl.viewport(0, 0, width, height);
+    const target = look.hurried && this.isSlow ? null : this.smooth.of(width, height);
+    const begin = () => {
+      gl.bindFramebuffer(gl.FRAMEBUFFER, target);
+      gl.viewport(0, 0, width, height);
+    };
+    begin();
     gl.clearColor(...look.background, 1);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-    if (!this.frame) return;
+    if (this.frame) this.drawAll(camera, look, begin);
+    if (target) this.smooth.show();
+  }
+
+  // `begin` goes on where the picture is drawn.
+  drawAll(camera, look, begin) {
+    const { gl } = this;
+    const { width, height } = this.canvas;
     const seen = camera.matrices(width / height);
     const { right, up, back } = seen.axes;
     const toLight = unit(add(add(scale(right, -0.55), scale(up, 0.9)), scale(back, 0.75)));
@@ -237,8 +235,7 @@ export class Painter {
     const occluded = look.shadows && !this.layout.springs;
     if (occluded) this.occlusion.fill(this.layout, this.frame, this.most, look.thickness);
     const common = {
-      uClip: seen.clip,
-      uEye: seen.eye,
+      uClip: seen.clip, uEye: seen.eye,
       uLight: toLight,
       uOrigin: sub(this.frame.origin, camera.target),
       uUnit: this.frame.unit,
@@ -248,19 +245,22 @@ export class Painter {
       uColoring: look.coloring,
       uRange: [this.frame.low, this.frame.high],
     };
-    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-    gl.viewport(0, 0, width, height);
+    begin();
     gl.enable(gl.DEPTH_TEST);
     gl.bindTexture(gl.TEXTURE_2D, this.depth);
     this.drawObjects(common, camera.target, look.object);
-    this.use(this.layout.springs ? "fiber" : "hair", {
-      ...common,
+    const ribbon = {
       uPixel: (2 * seen.tangent) / height,
       uThickness: look.thickness,
       uThinnest: 0.55 * look.density,
       uRoundness: this.layout.springs ? 0.9 : 0.35,
-    });
-    this.drawIndices(gl.TRIANGLE_STRIP, look.hurried ? this.coarse : this.ribbons);
+    };
+    if (look.hurried && this.hurriesMoving) {
+      this.hairLines.draw(this.layout, this.frame, common, ribbon, occluded && this.occlusion);
+    } else {
+      this.use(this.layout.springs ? "fiber" : "hair", { ...common, ...ribbon });
+      this.drawIndices(gl.TRIANGLE_STRIP, look.hurried ? this.coarse : this.ribbons);
+    }
     if (look.surfaces && this.layout.triangles.length > 0) this.drawCloth(common, look.cloth);
     drawOverlays(this, common, camera.target, look);
     this.drawMarks(common, camera.target, look);
@@ -281,12 +281,14 @@ export class Painter {
   drawCloth(common, own) {
     const gl = this.gl;
     this.use("cloth", { ...common, uOwn: own });
-    gl.enable(gl.BLEND);
+    [gl.BLEND, gl.POLYGON_OFFSET_FILL].forEach((what) => gl.enable(what));
     gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
     gl.depthMask(false);
+    // Springs lie in the cloth, and are to be seen on both of its sides.
+    gl.polygonOffset(2, 16);
     this.drawIndices(gl.TRIANGLES, this.cloth);
     gl.depthMask(true);
-    gl.disable(gl.BLEND);
+    [gl.BLEND, gl.POLYGON_OFFSET_FILL].forEach((what) => gl.disable(what));
   }
 
   // What is fixed, what is held, and the way from there to the hand.
@@ -377,6 +379,12 @@ export class Painter {
     else if (type !== gl.FLOAT) gl.uniform1i(at, value);
     else gl.uniform1f(at, value);
   }
+}
+
+// What draws, as far as the browser tells.
+function rendererOf(gl) {
+  const told = gl.getExtension("WEBGL_debug_renderer_info");
+  return String(gl.getParameter(told ? told.UNMASKED_RENDERER_WEBGL : gl.RENDERER));
 }
 
 // The eight corners of the box of places.

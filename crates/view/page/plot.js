@@ -46,7 +46,6 @@ export class Plots {
     if (last && state.time < last.state.time) this.past = [];
     this.past.push({ now, state });
     while (this.past.length > 2 && this.past[0].now < now - SPAN) this.past.shift();
-    this.draw();
   }
 
   draw() {

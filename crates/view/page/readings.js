@@ -2,17 +2,17 @@
 
 import { quantity, word } from "./words.js";
 
-// Fills a table with the numbers of a state.
+// Fills a table with the numbers of a state; what is the same stays, as laying out anew takes time.
 export function fillRows(body, state, frame) {
-  body.replaceChildren(...rows(state, frame).map(([name, value]) => {
-    const row = document.createElement("tr");
-    for (const text of [name, value]) {
-      const cell = document.createElement("td");
-      cell.textContent = text;
-      row.append(cell);
-    }
-    return row;
-  }));
+  const list = rows(state, frame);
+  while (body.rows.length > list.length) body.deleteRow(-1);
+  list.forEach((texts, index) => {
+    const row = body.rows[index] ?? body.insertRow();
+    texts.forEach((text, column) => {
+      const cell = row.cells[column] ?? row.insertCell();
+      if (cell.textContent !== String(text)) cell.textContent = text;
+    });
+  });
 }
 
 function rows(state, frame) {

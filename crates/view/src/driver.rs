@@ -6,6 +6,7 @@ use crate::frame::Colors;
 use crate::hub::{Event, Hub, PageId};
 use crate::live::Live;
 use crate::options::Options;
+use crate::order::Order;
 use crate::stage::Showing;
 use crate::state;
 use crate::watch::Watch;
@@ -21,6 +22,11 @@ use std::time::{Duration, Instant};
 
 /// Frames follow each other no faster.
 const FRAME: Duration = Duration::from_millis(16);
+/// Nor faster than takes this part of the time, but not slower than this for that.
+const SHARE: u32 = 20;
+const SLOWEST_FRAME: Duration = Duration::from_millis(60);
+/// While a hand moves they may take this part of the time, and follow each other as fast.
+const SHARE_OF_HAND: u32 = 4;
 /// How often pages are told how all stands.
 const STATE: Duration = Duration::from_millis(100);
 /// How long nothing is waited for at most.
@@ -44,6 +50,12 @@ pub(crate) struct Driver {
     /// Whether something has changed since the last frame, and since the last state.
     is_new: [bool; 2],
     framed: Instant,
+    /// What the last frame took.
+    frame_cost: Duration,
+    /// Whether a hand has moved since the last step, and whether a step has felt that since the
+    /// last frame, which is to be seen soon.
+    hand_moved: bool,
+    hand_felt: bool,
     told: Instant,
     /// Values of sliders that are to be set.
     pub(crate) values: Vec<(String, f64)>,
@@ -65,6 +77,9 @@ impl Driver {
             layout: 0,
             is_new: [true; 2],
             framed: now,
+            frame_cost: Duration::ZERO,
+            hand_moved: false,
+            hand_felt: false,
             told: now,
             values: Vec::new(),
         }
@@ -154,7 +169,11 @@ impl Driver {
                 Ok(Event::Pages) => self.is_new[1] = true,
                 Ok(Event::Picture(page, wish)) => self.draw(page, wish),
                 Ok(Event::Order(order)) => {
-                    self.is_new = [true; 2];
+                    if matches!(order, Order::Move { .. }) {
+                        self.hand_moved = true;
+                    } else {
+                        self.is_new = [true; 2];
+                    }
                     if let Err(error) = self.obey(order) {
                         self.complain(&error);
                     }
@@ -184,8 +203,20 @@ impl Driver {
             }
             Showing::Gallery | Showing::Broken(_) => None,
         };
-        let frame = if self.is_new[0] { FRAME } else { IDLE };
+        let frame = if self.is_new[0] && self.hub.wants_frame() {
+            self.between_frames().saturating_sub(now - self.framed)
+        } else {
+            IDLE
+        };
         wait.unwrap_or(frame).min(frame)
+    }
+
+    /// Time between frames: what is simulated is to go on nearly as fast as without them.
+    fn between_frames(&self) -> Duration {
+        if self.hand_felt {
+            return (SHARE_OF_HAND * self.frame_cost).min(FRAME);
+        }
+        (SHARE * self.frame_cost).clamp(FRAME, SLOWEST_FRAME)
     }
 
     /// Draws a picture of what is shown now for a page, or no more.
@@ -250,7 +281,8 @@ impl Driver {
                 return;
             }
             self.is_new = [true; 2];
-            if begin.elapsed() >= FRAME {
+            self.hand_felt |= std::mem::take(&mut self.hand_moved);
+            if begin.elapsed() >= FRAME || self.hand_felt {
                 return;
             }
         }
@@ -259,12 +291,13 @@ impl Driver {
     /// Sends what is new to the pages that wait for it.
     fn publish(&mut self) {
         let now = Instant::now();
-        if self.is_new[0] && now - self.framed >= FRAME && self.hub.wants_frame() {
+        let is_due = now - self.framed >= self.between_frames();
+        if self.is_new[0] && is_due && self.hub.wants_frame() {
             if let Some(frame) = self.stage.frame(self.layout, &mut self.colors, self.shows) {
                 self.hub.publish_frame(frame);
             }
-            self.is_new[0] = false;
-            self.framed = now;
+            (self.is_new[0], self.hand_felt) = (false, false);
+            (self.framed, self.frame_cost) = (now, now.elapsed());
         }
         if self.is_new[1] && now - self.told >= STATE {
             let pages = self.hub.count();

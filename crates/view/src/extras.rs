@@ -4,7 +4,7 @@ use crate::field_lines::FieldLine;
 use crate::frame::{count, single};
 use nalgebra::{Point3, Vector3};
 use rapunzel_export::Strand;
-use rapunzel_sim::{ActiveContact, BodyRef, bounding_boxes};
+use rapunzel_sim::{Touch, bounding_boxes};
 use serde::Deserialize;
 
 /// Boxes of a frame at most; where there are more, those of the next level are shown.
@@ -61,23 +61,9 @@ impl Extras {
     }
 }
 
-/// Where contacts of fibres are, m, and their forces, N. Objects that touch each other are left
-/// out: where they do is not told.
-pub(crate) fn pushes(
-    contacts: impl Iterator<Item = ActiveContact>,
-    strands: &[Strand],
-) -> Vec<Push> {
-    let place = |contact: ActiveContact| {
-        let BodyRef::Fiber(fiber) = contact.sides[0] else { return None };
-        let points = &strands.get(usize::try_from(fiber).ok()?)?.points;
-        let at = contact.at[0].max(0.0);
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "not negative")]
-        let segment = (at.floor() as usize).min(points.len().checked_sub(2)?);
-        let fraction = (at - segment as f64).clamp(0.0, 1.0);
-        let place = points[segment].coords.lerp(&points[segment + 1].coords, fraction);
-        Some((place.into(), contact.force))
-    };
-    contacts.filter_map(place).take(MOST_CONTACTS).collect()
+/// Where things touch, m, and the forces, N.
+pub(crate) fn pushes(touches: impl Iterator<Item = Touch>) -> Vec<Push> {
+    touches.map(|touch| (touch.place, touch.force)).take(MOST_CONTACTS).collect()
 }
 
 /// Forces of contacts at the nodes of a recorded frame.
@@ -118,19 +104,8 @@ mod tests {
         }
     }
 
-    fn contact(sides: [BodyRef; 2], at: f64) -> ActiveContact {
-        ActiveContact { sides, at: [at, 0.0], force: Vector3::y(), bonded: false }
-    }
-
     #[test]
-    fn contacts_are_where_they_are_along_their_fibre() {
-        let fiber = [BodyRef::Fiber(0), BodyRef::Object(0)];
-        let none =
-            [[BodyRef::Fiber(9), BodyRef::Object(0)], [BodyRef::Object(1), BodyRef::Object(0)]];
-        let contacts = [contact(fiber, 1.25), contact(fiber, 3.0), contact(fiber, 7.0)];
-        let contacts = contacts.into_iter().chain(none.map(|sides| contact(sides, 0.0)));
-        let places: Vec<_> = pushes(contacts, &[strand()]).iter().map(|(p, _)| p.x).collect();
-        assert_eq!(places, [1.25, 3.0, 3.0]);
+    fn forces_of_a_recorded_frame_are_at_its_nodes() {
         let nodes = node_pushes(&[strand()]);
         assert_eq!(nodes, [(Point3::new(2.0, 0.0, 0.0), Vector3::z())]);
     }

@@ -1,6 +1,7 @@
 //! The scenes of the gallery, with their pictures.
 
 use rapunzel_export::Frame;
+use rapunzel_scene::style_from_ron;
 use rapunzel_sim::{Scene, World};
 use rapunzel_studio::sheet::{self, PreviewFrame};
 use std::collections::BTreeMap;
@@ -20,6 +21,37 @@ impl GalleryScene {
     /// The scene, if it stands alone: without files, as they would have no folder.
     pub(crate) fn scene(&self) -> Option<Scene> {
         Scene::from_ron(&self.text).ok().filter(|scene| scene.files().next().is_none())
+    }
+
+    /// Why it is not shown live in the gallery, if it is not.
+    pub(crate) fn left_out(&self) -> Option<LeftOut> {
+        match Scene::from_ron(&self.text) {
+            Ok(scene) => scene.files().next().map(|_| LeftOut::NeedsFiles),
+            Err(_) if style_from_ron(&self.text).is_ok() => Some(LeftOut::IsStyle),
+            Err(_) => Some(LeftOut::IsCase),
+        }
+    }
+}
+
+/// Why something that ships is not shown live in the gallery.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum LeftOut {
+    /// A scene that names files, for which it has no folder.
+    NeedsFiles,
+    /// A style, which grows for a while.
+    IsStyle,
+    /// A case, which is solved and does not run.
+    IsCase,
+}
+
+impl LeftOut {
+    /// Its name, by which pages know it.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::NeedsFiles => "needs_files",
+            Self::IsStyle => "is_style",
+            Self::IsCase => "is_case",
+        }
     }
 }
 

@@ -96,9 +96,9 @@ impl Hub {
     pub(crate) fn ask(&self, page: PageId, order: Order) {
         let mut pages = self.pages();
         match order {
-            Order::Drawn => {
+            Order::Drawn { frames } => {
                 if let Some(mailbox) = pages.mailboxes.get(&page) {
-                    mailbox.drawn();
+                    mailbox.drawn(frames);
                 }
                 drop(pages);
                 self.tell(Event::Pages);

@@ -224,7 +224,7 @@ impl Live {
         let strands: Vec<_> = self.world.stepper().strands().collect();
         let mut extras = Extras::default();
         if shows.contacts {
-            extras.pushes = pushes(self.world.contacts(), &strands);
+            extras.pushes = pushes(self.world.touches());
         }
         if let Some(level) = shows.volumes {
             extras.boxes = boxes(&strands, level);

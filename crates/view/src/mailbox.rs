@@ -98,9 +98,9 @@ impl Mailbox {
         mail.frame.is_none() && mail.ahead < AHEAD
     }
 
-    /// Takes note that the page has drawn a frame.
-    pub(crate) fn drawn(&self) {
-        self.change(|mail| mail.ahead = mail.ahead.saturating_sub(1));
+    /// Takes note that the page has drawn the last of some frames, and needs the others no more.
+    pub(crate) fn drawn(&self, frames: u32) {
+        self.change(|mail| mail.ahead = mail.ahead.saturating_sub(frames));
     }
 
     /// Ends all sending.
@@ -167,8 +167,29 @@ mod tests {
         mailbox.put_frame(&bytes(5));
         mailbox.put_frame(&bytes(6));
         assert_eq!(mailbox.next(soon), Letter::Nothing);
-        mailbox.drawn();
+        mailbox.drawn(1);
         assert_eq!(mailbox.next(soon), Letter::Bytes(bytes(6)));
+    }
+
+    #[test]
+    fn of_two_frames_that_came_together_both_are_done_when_the_last_is_drawn() {
+        let (mailbox, soon) = (Mailbox::default(), Duration::from_millis(1));
+        for round in 0..5 {
+            for number in [2 * round, 2 * round + 1] {
+                assert!(mailbox.wants_frame(), "{number}");
+                mailbox.put_frame(&bytes(number));
+                assert_eq!(mailbox.next(soon), Letter::Bytes(bytes(number)));
+            }
+            assert!(!mailbox.wants_frame());
+            mailbox.drawn(2);
+        }
+        // A page that says too much gets no more than others.
+        mailbox.drawn(u32::MAX);
+        for number in [20, 21] {
+            mailbox.put_frame(&bytes(number));
+            assert_eq!(mailbox.next(soon), Letter::Bytes(bytes(number)));
+        }
+        assert!(!mailbox.wants_frame());
     }
 
     #[test]

@@ -15,7 +15,7 @@ const SPEEDS: (f64, f64) = (1e-4, 100.0);
 impl Driver {
     pub(crate) fn obey(&mut self, order: Order) -> Result<(), SimError> {
         match order {
-            Order::Drawn | Order::Control | Order::Picture(_) | Order::EndPicture => {}
+            Order::Drawn { .. } | Order::Control | Order::Picture(_) | Order::EndPicture => {}
             Order::Show(shows) => self.shows = shows,
             Order::Over { over } => {
                 if let Showing::Recorded(recorded) = &mut self.stage {

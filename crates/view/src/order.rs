@@ -11,8 +11,8 @@ const FARTHEST_HAND: f64 = 1e6;
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(tag = "do", rename_all = "snake_case", deny_unknown_fields)]
 pub(crate) enum Order {
-    /// It has drawn a frame.
-    Drawn,
+    /// Of so many frames that came it has drawn the last.
+    Drawn { frames: u32 },
     /// It takes the controls.
     Control,
     /// Everything moves.

@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 const LARGEST_HEAD: usize = 16 * 1024;
 /// Most headers of a request.
 const MOST_HEADERS: usize = 64;
-/// The longest that a head may take to arrive.
-pub(crate) const PATIENCE: Duration = Duration::from_secs(5);
+/// The longest that a head may take to arrive: browsers open connections before they ask.
+pub(crate) const PATIENCE: Duration = Duration::from_secs(20);
 
 /// What the head of a request says, as far as it matters here.
 #[derive(Debug, Default, PartialEq, Eq)]

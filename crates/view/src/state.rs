@@ -16,7 +16,9 @@ use std::time::Instant;
 pub(crate) fn about(stage: &Showing, title: &str, gallery: &[GalleryScene], name: &str) -> String {
     let mut about = json!({ "is": "about", "title": title, "has_gallery": !gallery.is_empty() });
     let more = match stage {
-        Showing::Gallery => json!({ "kind": "gallery", "scenes": scenes(gallery) }),
+        Showing::Gallery => {
+            json!({ "kind": "gallery", "scenes": scenes(gallery), "left_out": left_out(gallery) })
+        }
         Showing::Live(live) => json!({
             "kind": "live",
             "scene": live.scene.name,
@@ -29,6 +31,8 @@ pub(crate) fn about(stage: &Showing, title: &str, gallery: &[GalleryScene], name
                 && live.scene.objects.iter().any(|object| object.moves == Moves::Led),
             "can_hold": live.scene.mass_spring.is_some(),
             "has_contacts": live.scene.contact.is_some(),
+            "has_touches": live.scene.contact.is_some()
+                || live.scene.mass_spring.as_ref().is_some_and(|springs| springs.contacts.is_some()),
             "ground": live.scene.mass_spring.as_ref()
                 .and_then(|springs| springs.contacts.as_ref()?.ground),
             "has_charge": live.scene.charging.is_some(),
@@ -131,6 +135,12 @@ fn scenes(gallery: &[GalleryScene]) -> Vec<Value> {
         json!({ "name": item.name, "title": scene.name, "kind": Kind::of(&scene).name() })
     });
     told.collect()
+}
+
+/// What else ships, and why it is not in the gallery.
+fn left_out(gallery: &[GalleryScene]) -> Vec<Value> {
+    let others = gallery.iter().filter_map(|item| Some((item, item.left_out()?)));
+    others.map(|(item, why)| json!({ "name": item.name, "why": why.name() })).collect()
 }
 
 fn knobs(scene: &Scene) -> Vec<Value> {

@@ -43,6 +43,9 @@ pub struct ActiveContact {
     pub sides: [BodyRef; 2],
     /// Where along each side that is a fibre: in segments from the root.
     pub at: [f64; 2],
+    /// Where the force acts on the first side, m, world: from the axis of a fibre, or the center of
+    /// mass of an object.
+    pub lever: Vector3<f64>,
     /// Mean force on the first side over the substep, N, world.
     pub force: Vector3<f64>,
     /// Whether a bond of glue holds it.
@@ -56,6 +59,7 @@ impl WarmStart {
         self.bearing.iter().map(move |one| ActiveContact {
             sides: one.push.sides,
             at: one.push.at(),
+            lever: one.push.levers[0],
             force: one.push.impulse / dt,
             bonded: one.bonded,
         })

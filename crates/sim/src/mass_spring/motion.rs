@@ -2,6 +2,7 @@ use super::space::{flat, in_world, spatial};
 use super::strands::{Polyline, places, polylines, strand, surface};
 use crate::NodePull;
 use crate::scene::{Hold, Integrator, MassSpring, NodeLoad};
+use crate::stepper::Touch;
 use nalgebra::{Point3, SVector, Vector3};
 use rapunzel_collision::field::HalfSpace;
 use rapunzel_coupling::CollisionObject;
@@ -9,7 +10,7 @@ use rapunzel_coupling::TimeInterval;
 use rapunzel_export::{Strand, usd};
 use rapunzel_mass_spring::{
     Contacts, Enclosure, ImplicitEuler, Leapfrog, NodeVectors, Obstacle, RigidChain, SpringError,
-    StepTooLong, System, runge_kutta,
+    StepTooLong, System, Touched, runge_kutta,
 };
 use rapunzel_rod_dynamic::Energy;
 use std::collections::BTreeMap;
@@ -44,6 +45,8 @@ pub(crate) trait ErasedSystem: Send + Sync {
     fn hold(&mut self, hold: Hold) -> Result<(), SpringError>;
     /// Whether something holds a node now.
     fn is_held(&self, node: usize) -> bool;
+    /// Where nodes touched in the last step, and with what force.
+    fn touches(&self) -> Vec<Touch>;
     /// Energy of the loads (J), which is not in that of the system; power that is dissipated and
     /// power of the supports (W), by which the sum of both changes; wind (world, m/s), and area or
     /// volume now and at rest.
@@ -67,6 +70,10 @@ pub(crate) struct MovingSystem<const D: usize> {
     /// Nodes at which hands pull.
     pulled: Vec<usize>,
     contacts: Option<Contacts>,
+    /// Where nodes touched in the last step, and the sum of impulses on the first, N s.
+    touched: BTreeMap<(usize, Touched), (Point3<f64>, Vector3<f64>)>,
+    /// Length of that step, s.
+    touched_for: f64,
     ground: Option<HalfSpace>,
     enclosure: Option<Enclosure<D>>,
     yields: bool,
@@ -116,6 +123,8 @@ impl<const D: usize> MovingSystem<D> {
             loads: scene.loads.clone(),
             pulled: Vec::new(),
             contacts,
+            touched: BTreeMap::new(),
+            touched_for: 1.0,
             ground,
             enclosure,
             yields: scene.yield_strain.is_some(),
@@ -162,6 +171,7 @@ where
         objects: &[CollisionObject],
     ) -> Result<usize, SpringError> {
         let TimeInterval { start: time, length: dt } = step;
+        (self.touched, self.touched_for) = (BTreeMap::new(), dt);
         self.apply_holds(time)?;
         self.system.set_time(time);
         self.system.set_gravity(flat(&(*gravity).into()))?;
@@ -191,6 +201,11 @@ where
                 let obstacles: Vec<_> =
                     self.ground.iter().map(|g| Obstacle::at_rest(g)).chain(objects).collect();
                 contacts.resolve(system, &obstacles)?;
+                for touch in contacts.touches() {
+                    let sum = self.touched.entry((touch.node, touch.touched));
+                    let (place, impulse) = sum.or_default();
+                    (*place, *impulse) = (touch.place, *impulse + touch.impulse);
+                }
             }
             if self.yields {
                 system.give_way();
@@ -259,6 +274,11 @@ where
 
     fn is_held(&self, node: usize) -> bool {
         self.system.is_held(node)
+    }
+
+    fn touches(&self) -> Vec<Touch> {
+        let bear = self.touched.values().filter(|(_, impulse)| impulse.norm() > 0.0);
+        bear.map(|(place, sum)| Touch { place: *place, force: sum / self.touched_for }).collect()
     }
 
     fn readings(&self) -> Vec<f64> {

@@ -1,7 +1,7 @@
 use super::build::{build, readings};
 use super::motion::ErasedSystem;
 use crate::scene::{Hold, MassSpring};
-use crate::stepper::{Scenery, Stepper};
+use crate::stepper::{Scenery, Stepper, Touch};
 use crate::{NodePull, SimError};
 use nalgebra::{Point3, Vector3};
 use rapunzel_coupling::TimeInterval;
@@ -103,6 +103,10 @@ impl Stepper for MassSprings {
 
     fn is_held(&self, node: usize) -> bool {
         self.springs.is_held(node)
+    }
+
+    fn touches(&self) -> Vec<Touch> {
+        self.springs.touches()
     }
 
     fn warning(&self, dt: f64) -> Option<String> {

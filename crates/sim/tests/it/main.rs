@@ -42,6 +42,7 @@ mod strip;
 mod supports;
 mod surfaces;
 mod taper;
+mod touches;
 mod usd;
 mod water_wave;
 mod wet_pair;

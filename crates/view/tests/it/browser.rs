@@ -105,6 +105,19 @@ impl Browser {
         }
     }
 
+    /// All that readers of screens are told.
+    pub(crate) fn accessible(&mut self) -> Value {
+        self.call("Accessibility.enable", json!({}));
+        self.call("Accessibility.getFullAXTree", json!({}))["nodes"].clone()
+    }
+
+    /// What a person prefers, as media queries name it.
+    pub(crate) fn prefer(&mut self, wishes: &[(&str, &str)]) {
+        let features: Vec<_> =
+            wishes.iter().map(|(name, value)| json!({ "name": name, "value": value })).collect();
+        self.call("Emulation.setEmulatedMedia", json!({ "features": features }));
+    }
+
     /// Keeps what the page complains of.
     fn heed(&mut self, event: &Value) {
         let what = &event["params"];
@@ -160,7 +173,12 @@ impl Browser {
 
     pub(crate) fn key(&mut self, key: &str) {
         for kind in ["keyDown", "keyUp"] {
-            self.call("Input.dispatchKeyEvent", json!({ "type": kind, "key": key, "text": key }));
+            let mut event = json!({ "type": kind, "key": key, "text": key });
+            if key == "Tab" {
+                event =
+                    json!({ "type": kind, "key": key, "code": key, "windowsVirtualKeyCode": 9 });
+            }
+            self.call("Input.dispatchKeyEvent", event);
         }
     }
 

@@ -165,7 +165,7 @@ impl Client {
                 Message::Text(text) => return serde_json::from_str(&text).ok(),
                 Message::Binary(bytes) if bytes.starts_with(b"RPF1") => {
                     self.frame = bytes.to_vec();
-                    self.order(r#"{"do":"drawn"}"#);
+                    self.order(r#"{"do":"drawn","frames":1}"#);
                 }
                 Message::Binary(bytes) if bytes.starts_with(b"RPP1") => {
                     self.pictures.push(bytes.to_vec());

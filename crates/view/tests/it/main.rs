@@ -1,5 +1,6 @@
 //! The server and the page as a browser meets them.
 
+mod accessible;
 mod browser;
 mod common;
 mod hands;

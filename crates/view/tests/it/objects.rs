@@ -139,6 +139,50 @@ fn the_work_of_a_hand_is_in_the_ledger() {
     assert!((gained - work).abs() < 1e-6 * loads, "{gained} {work} {loads}");
 }
 
+/// Distance of a place from a segment, m.
+fn apart(place: &Point3<f64>, [a, b]: [&Point3<f64>; 2]) -> f64 {
+    let along = b - a;
+    let at = ((place - a).dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
+    (place - (a + at * along)).norm()
+}
+
+#[test]
+fn a_hair_torn_at_a_ball_does_not_cross_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    // In a step of 5 ms the hair could go through the ball.
+    let served = Served::scene(folder.path(), &BALL.replace("dt: 1e-3", "dt: 5e-3"));
+    let mut page = served.page();
+    page.wait("about", |about| about["kind"] == "live");
+    let steps = 30;
+    // From its tip a hair is torn to the other side of the ball at once.
+    page.order(r#"{"do":"take","strand":0,"point":18,"to":[0.09,0.0,-0.07]}"#);
+    for _ in 0..steps {
+        page.order(r#"{"do":"step"}"#);
+    }
+    let state = page.wait("state", |state| state["steps"] == steps);
+    assert_eq!(state["failure"], Value::Null);
+    page.order(r#"{"do":"save"}"#);
+    let saved = page.wait("saved", |_| true);
+    let text = fs::read_to_string(saved["file"].as_str().expect("a path")).expect("a scene");
+    let scene = Scene::from_ron(&text).expect("a scene");
+    let mut world = World::build(&scene).expect("a world");
+    let (mut nearest, mut fastest) = (f64::INFINITY, 0.0_f64);
+    for _ in 0..steps {
+        world.step(Plan::new(&scene).dt).expect("a step");
+        let center = world.poses().next().expect("a ball").translation.vector.into();
+        for fiber in 0..world.assembly().fibers().len() {
+            let state = world.state(fiber);
+            for pair in state.positions.windows(2) {
+                nearest = nearest.min(apart(&center, [&pair[0], &pair[1]]));
+            }
+            fastest = state.velocities.iter().map(|v| v.norm()).fold(fastest, f64::max);
+        }
+    }
+    // It comes to the ball, whose radius is 0.02 m, and not into it.
+    assert!(nearest > 0.02 && nearest < 0.0205, "{nearest}");
+    assert!(fastest > 1.0, "{fastest}");
+}
+
 #[test]
 fn what_cannot_be_dragged_is_not() {
     let folder = tempfile::tempdir().expect("a folder");

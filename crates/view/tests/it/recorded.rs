@@ -95,6 +95,27 @@ fn what_cannot_be_shown_is_told_with_its_line_and_shown_when_it_is_mended() {
     assert!(about["message"].as_str().is_some_and(|message| message.contains("nothing to draw")));
 }
 
+#[test]
+fn a_run_of_another_version_is_shown_as_far_as_it_is_understood_and_told_if_not() {
+    let place = tempfile::tempdir().expect("a folder");
+    let folder = place.path().join("run");
+    record(&folder);
+    // Its scene is one that will be: frames are what they were.
+    fs::write(folder.join("scene.ron"), "(format: 99, fibres: quantum)").expect("written");
+    let served = shown(&folder);
+    let mut page = served.page();
+    let about = page.wait("about", |about| about["kind"] == "recorded");
+    assert_eq!(about["frames"], 11);
+    // Its frames are of another kind.
+    for file in fs::read_dir(folder.join("frames")).expect("frames").flatten() {
+        fs::write(file.path(), "<VTKFile type=\"Quantum\" version=\"9.9\"/>").expect("written");
+    }
+    let served = shown(&folder);
+    let mut page = served.page();
+    let about = page.wait("about", |about| about["kind"] == "broken");
+    assert!(about["message"].as_str().is_some_and(|text| text.contains("frame-000000")), "{about}");
+}
+
 /// Places of the first point of each strand of the last frame along x, m.
 fn roots(page: &Client, strands: usize) -> Vec<f64> {
     let each = page.points() / strands;

@@ -48,8 +48,16 @@ fn the_page_comes_whole_and_guarded() {
 
 #[test]
 fn nothing_else_is_served() {
-    let (_folder, served) = served();
+    let (folder, served) = served();
+    std::fs::write(folder.path().join("scene.ron"), "(format: 1)").expect("written");
+    #[cfg(unix)]
+    for (to, name) in [("/etc/passwd", "link"), ("/dev/zero", "device")] {
+        std::os::unix::fs::symlink(to, folder.path().join(name)).expect("a link");
+    }
     for path in [
+        "/scene.ron",
+        "/link",
+        "/device",
         "/../Cargo.toml",
         "/..%2f..%2fetc/passwd",
         "/%2e%2e/%2e%2e/etc/passwd",
@@ -184,6 +192,34 @@ fn a_page_that_takes_nothing_delays_nobody() {
     let begin = Instant::now();
     good.wait("state", |state| state["time"].as_f64() > Some(0.5));
     assert!(begin.elapsed() < PATIENCE);
+}
+
+#[test]
+fn a_page_that_hangs_is_dropped() {
+    let (_folder, served) = served();
+    let mut good = served.page();
+    // It neither reads nor answers.
+    let stuck = served.page();
+    good.wait("controls", |note| note["pages"] == 2);
+    good.wait("controls", |note| note["pages"] == 1);
+    drop(stuck);
+}
+
+#[test]
+fn what_runs_goes_on_when_the_last_page_has_gone() {
+    let (_folder, served) = served();
+    let mut page = served.page();
+    page.open("springs/rope");
+    page.order(r#"{"do":"run"}"#);
+    let state = page.wait("state", |state| state["steps"].as_u64() > Some(0));
+    drop(page);
+    std::thread::sleep(Duration::from_secs(1));
+    // What it stands at when another page comes was reached while there was none.
+    let mut other = served.page();
+    let first = other.wait("state", |_| true);
+    assert_eq!(first["runs"], true);
+    let steps = |state: &serde_json::Value| state["steps"].as_u64().expect("steps");
+    assert!(steps(&first) > steps(&state) + 20, "{first}");
 }
 
 #[test]

@@ -1,4 +1,5 @@
 use crate::common::{CHARGED, HAIRS, Served, bump};
+use crate::page::shipped;
 use std::fs;
 
 /// Distance of a place from the nearest point of the last frame, m.
@@ -38,6 +39,23 @@ fn contacts_are_shown_on_demand_where_they_are() {
     }
     page.order(r#"{"do":"show","contacts":false,"volumes":null,"field":false}"#);
     page.wait_frame(|page| page.extras()[0].is_empty());
+}
+
+#[test]
+fn contacts_of_a_body_of_springs_are_shown_on_the_ground() {
+    let ring = shipped().into_iter().find(|scene| scene.name == "mass-spring/ring").expect("ships");
+    let folder = tempfile::tempdir().expect("a folder");
+    let served = Served::scene(folder.path(), &ring.text);
+    let mut page = served.page();
+    page.wait("about", |about| about["kind"] == "live" && about["has_touches"] == true);
+    page.order(r#"{"do":"show","contacts":true,"volumes":null,"field":false}"#);
+    page.order(r#"{"do":"run"}"#);
+    page.wait_frame(|page| !page.extras()[0].is_empty());
+    let [pushes, ..] = page.extras();
+    for push in &pushes {
+        // In singles, at the height of the ground, which pushes upward.
+        assert!(push[2].abs() < 1e-7 && push[5] > 0.0, "{push:?}");
+    }
 }
 
 #[test]
