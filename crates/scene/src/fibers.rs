@@ -3,7 +3,7 @@ use super::charging::Charge;
 use super::check::{Allowed, Check};
 use super::feed::Feed;
 use super::fiber_shape::{Closing, FiberShape, Initial};
-use super::gripper::Gripper;
+use super::gripper::{GrippedFibers, Gripper};
 use super::groom::{Groom, GroomShape};
 use super::load::Profile;
 use super::material::{Law, MaterialSpec};
@@ -278,7 +278,12 @@ impl Bundle {
             check.refuse("motion", message.into());
         }
         check.within("tip", |c| self.tip.check(c));
-        Gripper::check(self, check);
+        let gripped = GrippedFibers {
+            segments: self.segments,
+            root_is_free: self.root_joint.is_free(),
+            are_groomed: self.groom.is_some(),
+        };
+        Gripper::check(&self.grippers, gripped, check);
         check.each("point_forces", &self.point_forces, |c, force| {
             c.number("at", force.at, Allowed::Within(0.0, 1.0), "");
             c.vector("value", &force.value, "N");

@@ -1,6 +1,5 @@
 use super::check::{Allowed, Check};
-use super::fibers::Bundle;
-use super::joint::JointNode;
+use super::joint_node::JointNode;
 use super::load::TimedLoad;
 use super::motion::Motion;
 use super::tip::JointKind;
@@ -37,6 +36,17 @@ fn tip() -> JointNode {
     JointNode::Tip
 }
 
+/// What grippers need to know of the fibres that they take.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct GrippedFibers {
+    /// Number of segments of each, unless they are of a groom.
+    pub(crate) segments: usize,
+    /// Whether nothing holds their roots.
+    pub(crate) root_is_free: bool,
+    /// Whether they are hairs of a groom.
+    pub(crate) are_groomed: bool,
+}
+
 impl Gripper {
     /// Whether it holds at time `t`, s.
     #[must_use]
@@ -69,10 +79,10 @@ impl Gripper {
     }
 
     /// Reports problems of grippers of one bundle.
-    pub(crate) fn check(bundle: &Bundle, check: &mut Check) {
-        let Bundle { grippers, segments, .. } = bundle;
+    pub(crate) fn check(grippers: &[Self], fibers: GrippedFibers, check: &mut Check) {
+        let segments = fibers.segments;
         check.each("grippers", grippers, |c, gripper| {
-            gripper.check_node(c, bundle);
+            gripper.check_node(c, fibers);
             c.number("from", gripper.from, Allowed::NonNegative, "s");
             if let Some(until) = gripper.until {
                 c.number("until", until, Allowed::Positive, "s");
@@ -91,7 +101,7 @@ impl Gripper {
             }
         });
         for (i, gripper) in grippers.iter().enumerate() {
-            let same = |one: &&Self| one.node.number(*segments) == gripper.node.number(*segments);
+            let same = |one: &&Self| one.node.number(segments) == gripper.node.number(segments);
             let Some(before) = grippers[..i].iter().rfind(same) else { continue };
             let free = before.until.unwrap_or(f64::INFINITY);
             if gripper.from < free {
@@ -108,16 +118,16 @@ impl Gripper {
 
 impl Gripper {
     /// Reports a node that cannot be taken.
-    fn check_node(&self, check: &mut Check, bundle: &Bundle) {
-        let (number, last) = (self.node.number(bundle.segments), bundle.segments);
+    fn check_node(&self, check: &mut Check, fibers: GrippedFibers) {
+        let (number, last) = (self.node.number(fibers.segments), fibers.segments);
         if number > last {
             let message = format!("is {number}, but the nodes are numbered 0 to {last}");
             check.refuse("node", message);
-        } else if number == 0 && !bundle.root_joint.is_free() {
+        } else if number == 0 && !fibers.root_is_free {
             let message = "is the root, which is held already; let it go with `root_joint: Free`";
             check.refuse("node", message.into());
         } else if self.inner_node(last).is_some() {
-            if bundle.groom.is_some() {
+            if fibers.are_groomed {
                 let message = "is an inner one, but the hairs of a groom have different numbers of \
                                them; take the Tip";
                 check.refuse("node", message.into());

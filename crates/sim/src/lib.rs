@@ -44,7 +44,7 @@ pub use rapunzel_coupling::{
 pub use rapunzel_scene::{self as scene, Plan, Scene};
 pub use run::{Cancel, Control, Progress, run};
 pub use shown::{Shown, ShownFrame, ShownStage};
-pub use stepper::{FiberStates, NodePull, Scenery, Stepper, Touch};
+pub use stepper::{ContactForce, FiberStates, NodePull, Scenery, Stepper};
 pub use storage::write_atomically;
 pub use summary::{LeftOut, Outcome, Statistics, Summary};
 pub use volumes::bounding_boxes;

@@ -12,7 +12,7 @@ use std::ops::Range;
 
 /// A place where two things touched in the last step, with a force.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Touch {
+pub struct ContactForce {
     /// Where, m, world.
     pub place: Point3<f64>,
     /// Mean force on the first of the two, N, world: over the last part of a step of fibres, over
@@ -142,7 +142,7 @@ pub trait Stepper: Send + Sync {
     }
 
     /// Where something touched in the last step that is no fibre in contact.
-    fn touches(&self) -> Vec<Touch> {
+    fn touches(&self) -> Vec<ContactForce> {
         Vec::new()
     }
 

@@ -1,20 +1,20 @@
 //! Where things touch, whatever they are.
 
 use crate::World;
-use crate::stepper::Touch;
+use crate::stepper::ContactForce;
 use rapunzel_coupling::{ActiveContact, BodyRef};
 
 impl World {
     /// Where things touched in the last step: fibres each other, themselves and objects, objects
     /// each other, nodes of springs each other, objects and the ground. Cost: a look at all
     /// contacts.
-    pub fn touches(&self) -> impl Iterator<Item = Touch> {
+    pub fn touches(&self) -> impl Iterator<Item = ContactForce> {
         let nodes = self.stepper().strand_nodes();
         let of_contacts = move |contact: ActiveContact| self.touch(&nodes, &contact);
         self.contacts().filter_map(of_contacts).chain(self.stepper().touches())
     }
 
-    fn touch(&self, nodes: &[usize], contact: &ActiveContact) -> Option<Touch> {
+    fn touch(&self, nodes: &[usize], contact: &ActiveContact) -> Option<ContactForce> {
         let force = contact.force;
         let axis = match contact.sides[0] {
             BodyRef::Fiber(fiber) => {
@@ -28,6 +28,6 @@ impl World {
             }
             BodyRef::Object(object) => self.body(object as usize)?.pose.translation.vector,
         };
-        Some(Touch { place: (axis + contact.lever).into(), force })
+        Some(ContactForce { place: (axis + contact.lever).into(), force })
     }
 }

@@ -4,7 +4,7 @@ use crate::field_lines::FieldLine;
 use crate::frame::{count, single};
 use nalgebra::{Point3, Vector3};
 use rapunzel_export::Strand;
-use rapunzel_sim::{Touch, bounding_boxes};
+use rapunzel_sim::{ContactForce, bounding_boxes};
 use serde::Deserialize;
 
 /// Boxes of a frame at most; where there are more, those of the next level are shown.
@@ -62,7 +62,7 @@ impl Extras {
 }
 
 /// Where things touch, m, and the forces, N.
-pub(crate) fn pushes(touches: impl Iterator<Item = Touch>) -> Vec<Push> {
+pub(crate) fn pushes(touches: impl Iterator<Item = ContactForce>) -> Vec<Push> {
     touches.map(|touch| (touch.place, touch.force)).take(MOST_CONTACTS).collect()
 }
 

@@ -24,18 +24,18 @@ impl GalleryScene {
     }
 
     /// Why it is not shown live in the gallery, if it is not.
-    pub(crate) fn left_out(&self) -> Option<LeftOut> {
+    pub(crate) fn left_out(&self) -> Option<Omission> {
         match Scene::from_ron(&self.text) {
-            Ok(scene) => scene.files().next().map(|_| LeftOut::NeedsFiles),
-            Err(_) if style_from_ron(&self.text).is_ok() => Some(LeftOut::IsStyle),
-            Err(_) => Some(LeftOut::IsCase),
+            Ok(scene) => scene.files().next().map(|_| Omission::NeedsFiles),
+            Err(_) if style_from_ron(&self.text).is_ok() => Some(Omission::IsStyle),
+            Err(_) => Some(Omission::IsCase),
         }
     }
 }
 
 /// Why something that ships is not shown live in the gallery.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum LeftOut {
+pub(crate) enum Omission {
     /// A scene that names files, for which it has no folder.
     NeedsFiles,
     /// A style, which grows for a while.
@@ -44,7 +44,7 @@ pub(crate) enum LeftOut {
     IsCase,
 }
 
-impl LeftOut {
+impl Omission {
     /// Its name, by which pages know it.
     pub(crate) fn name(self) -> &'static str {
         match self {

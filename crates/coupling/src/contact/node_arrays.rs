@@ -87,8 +87,8 @@ impl Fibers<StaggeredBatch> {
         all
     }
 
-    /// Fills an array in the order of the assembly with what groups `read` of their fibres, into one
-    /// slice for each: that of a fibre has its `range`.
+    /// Fills an array in the order of the assembly with what groups `read` of their fibres, into
+    /// one slice for each: that of a fibre has its `range`.
     fn gather<T: Send>(
         &self,
         all: &mut [T],

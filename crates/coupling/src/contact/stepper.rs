@@ -11,15 +11,14 @@ use super::sections::SectionShapes;
 use super::substep::Substep;
 use super::substep_failure::{SubstepFailure, lost};
 use super::system::CoupledSystem;
-use super::warm_start::WarmStart;
 use super::warm_start::{
-    CachedImpulse, ExpectedImpulses, bonds_within, cache_impulses, cached_impulses, match_cached,
+    CachedImpulse, ExpectedImpulses, WarmStart, bonds_within, cache_impulses, cached_impulses,
+    match_cached,
 };
 use crate::contact_point::{ContactPoint, merged};
 use crate::contact_report::Unresolved;
 use crate::held_places::{HeldPlace, HeldPlaces};
-use crate::phase_times::Stopwatch;
-use crate::phase_times::{ContactTimes, PhaseTimer};
+use crate::phase_times::{ContactTimes, PhaseTimer, Stopwatch};
 use crate::{CouplingError, StepReport, TimeInterval};
 use nalgebra::Vector3;
 use rapunzel_collision::CollisionError;

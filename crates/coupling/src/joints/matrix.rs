@@ -153,7 +153,7 @@ fn entries(network: &Network, members: &[usize], terms: &MatrixTerms) -> Vec<(us
     entries
 }
 
-/// ClusterFactors of a system that is small, or else sparse.
+/// Factors of a system that is small, or else sparse.
 fn factorized(size: usize, entries: &[(usize, usize, f64)]) -> Result<ClusterFactors, LinalgError> {
     if size > DENSE {
         return Ok(ClusterFactors::Sparse(SparseSystem::new(size, entries)?));

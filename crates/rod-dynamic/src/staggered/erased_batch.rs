@@ -10,7 +10,7 @@ use super::memory::BatchMemory;
 use super::readout::BatchReadout;
 use super::scheme::Scheme;
 use super::simd_batch::SimdBatch;
-use super::velocities::BatchVelocities;
+use super::velocity_lanes::BatchVelocities;
 use crate::Rod;
 
 /// A [`SimdBatch`] of any register width.

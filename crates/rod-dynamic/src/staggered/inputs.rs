@@ -150,7 +150,7 @@ impl<S: Simd> BatchInputs for SimdBatch<S> {
         if !segments.is_empty() {
             array::fit::<S>(&mut self.moments, 3 * segments.len());
         }
-        let none = std::iter::repeat(&ZERO).take(self.moments.len() / 3);
+        let none = std::iter::repeat_n(&ZERO, self.moments.len() / 3);
         put(&mut self.moments, lane, segments.iter().chain(none.skip(segments.len())));
         put(&mut self.impulses, lane, nodes);
         // What holds an end takes up an impulse on it, or its part.

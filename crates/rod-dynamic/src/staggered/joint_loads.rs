@@ -9,7 +9,7 @@ use super::attempt::BatchAttempts;
 use super::response::ImpulseColumns;
 use super::scheme::StepProblem;
 use super::simd_batch::SimdBatch;
-use super::velocities::BatchVelocities;
+use super::velocity_lanes::BatchVelocities;
 use crate::{JointLoads, LoadPlace, LoadPoint};
 use nalgebra::{DMatrix, UnitQuaternion, Vector3};
 use pulp::bytemuck::Zeroable;

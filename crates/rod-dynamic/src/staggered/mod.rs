@@ -28,6 +28,7 @@ mod ends;
 mod equilibrium;
 mod erased_batch;
 mod factor;
+mod fed_segments;
 mod history;
 mod inputs;
 mod joined_step;
@@ -55,6 +56,7 @@ mod stability;
 mod supported_ends;
 mod supports;
 mod velocities;
+mod velocity_lanes;
 mod workspace;
 
 pub use batch::StaggeredBatch;
@@ -65,4 +67,4 @@ pub use natural::{
 pub use nozzle::segments_in_nozzle;
 pub use search::expected_error;
 pub use single::Staggered;
-pub use velocities::StepVelocity;
+pub use velocity_lanes::StepVelocity;

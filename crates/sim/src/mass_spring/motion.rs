@@ -2,7 +2,7 @@ use super::space::{flat, in_world, spatial};
 use super::strands::{Polyline, places, polylines, strand, surface};
 use crate::NodePull;
 use crate::scene::{Hold, Integrator, MassSpring, NodeLoad};
-use crate::stepper::Touch;
+use crate::stepper::ContactForce;
 use nalgebra::{Point3, SVector, Vector3};
 use rapunzel_collision::field::HalfSpace;
 use rapunzel_coupling::CollisionObject;
@@ -46,7 +46,7 @@ pub(crate) trait ErasedSystem: Send + Sync {
     /// Whether something holds a node now.
     fn is_held(&self, node: usize) -> bool;
     /// Where nodes touched in the last step, and with what force.
-    fn touches(&self) -> Vec<Touch>;
+    fn touches(&self) -> Vec<ContactForce>;
     /// Energy of the loads (J), which is not in that of the system; power that is dissipated and
     /// power of the supports (W), by which the sum of both changes; wind (world, m/s), and area or
     /// volume now and at rest.
@@ -276,9 +276,10 @@ where
         self.system.is_held(node)
     }
 
-    fn touches(&self) -> Vec<Touch> {
+    fn touches(&self) -> Vec<ContactForce> {
         let bear = self.touched.values().filter(|(_, impulse)| impulse.norm() > 0.0);
-        bear.map(|(place, sum)| Touch { place: *place, force: sum / self.touched_for }).collect()
+        bear.map(|(place, sum)| ContactForce { place: *place, force: sum / self.touched_for })
+            .collect()
     }
 
     fn readings(&self) -> Vec<f64> {

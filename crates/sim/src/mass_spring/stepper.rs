@@ -1,7 +1,7 @@
 use super::build::{build, readings};
 use super::motion::ErasedSystem;
 use crate::scene::{Hold, MassSpring};
-use crate::stepper::{Scenery, Stepper, Touch};
+use crate::stepper::{ContactForce, Scenery, Stepper};
 use crate::{NodePull, SimError};
 use nalgebra::{Point3, Vector3};
 use rapunzel_coupling::TimeInterval;
@@ -105,7 +105,7 @@ impl Stepper for MassSprings {
         self.springs.is_held(node)
     }
 
-    fn touches(&self) -> Vec<Touch> {
+    fn touches(&self) -> Vec<ContactForce> {
         self.springs.touches()
     }
 

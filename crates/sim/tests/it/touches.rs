@@ -1,6 +1,6 @@
 use crate::common::Run;
 use nalgebra::{Point3, Vector3};
-use rapunzel_sim::Touch;
+use rapunzel_sim::ContactForce;
 
 const G: f64 = 9.81;
 
@@ -24,7 +24,7 @@ fn the_ground_gives_a_body_of_springs_its_momentum() {
     let (mut touched, mut before) = (0, momentum(&run));
     for _ in 0..60 {
         run.step();
-        let touches: Vec<Touch> = run.world.touches().collect();
+        let touches: Vec<ContactForce> = run.world.touches().collect();
         let after = momentum(&run);
         let given: Vector3<f64> = touches.iter().map(|touch| touch.force).sum();
         let off = (after - before) - dt * (given + weight);
@@ -55,7 +55,7 @@ fn a_ball_rests_on_the_ground_where_it_touches_it() {
     for _ in 0..40 {
         run.step();
     }
-    let touches: Vec<Touch> = run.world.touches().collect();
+    let touches: Vec<ContactForce> = run.world.touches().collect();
     let [touch] = touches.as_slice() else { panic!("{touches:?}") };
     let force = touch.force - Vector3::new(0.0, 0.0, mass * G);
     assert!(force.norm() < 1e-6 * mass * G, "{touch:?}");
