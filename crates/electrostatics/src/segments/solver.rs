@@ -94,6 +94,10 @@ const RULE_SHARE: f64 = 0.7;
 /// reached.
 const CLOSED: f64 = 2e-11;
 
+/// Pairs of segments that cost little: of so many the action is found without expansions, which in
+/// a small cloud may err at few segments by more than at all samples.
+const SAMPLED_PAIRS: usize = 40_000;
+
 /// Sum of the actions of all segments on each other, with expansions of the type `E`.
 struct SegmentSum<'a, E> {
     /// Tree of the segments.
@@ -166,7 +170,8 @@ impl<'a, E: Coefficient> SegmentSum<'a, E> {
         let multipoles =
             |order| Multipoles::<E>::new(self.tree, &self.cloud, self.rules.far().len(), order);
         let order = (guess(self.accuracy) + 1).min(MAX_ORDER);
-        if count <= SAMPLES {
+        let wanted = (SAMPLED_PAIRS / count.max(1)).max(SAMPLES);
+        if count <= wanted {
             let all: Vec<_> = (0..count).collect();
             let certificate = Certificate { order: None, samples: 0, error: 0.0 };
             return Ok((
@@ -176,7 +181,7 @@ impl<'a, E: Coefficient> SegmentSum<'a, E> {
                 order,
             ));
         }
-        let samples = samples(count, SAMPLES);
+        let samples = samples(count, wanted);
         let exact = exact(self.lines, self.accuracy, &samples);
         let (order, multipoles) = match self.accuracy {
             Accuracy::Order(order) => (order, multipoles(order)),
@@ -199,7 +204,7 @@ impl<'a, E: Coefficient> SegmentSum<'a, E> {
             }
             _ => {
                 let certificate =
-                    Certificate { order: Some(order), samples: SAMPLES, error: reached };
+                    Certificate { order: Some(order), samples: samples.len(), error: reached };
                 Ok((out, certificate, multipoles, order))
             }
         }
