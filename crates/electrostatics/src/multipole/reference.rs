@@ -37,11 +37,10 @@ fn rims(tree: &Octree, places: &[Vec<f64>; 3]) -> Vec<usize> {
 
 impl Reference {
     /// Reference at samples all over the targets of a `tree` at `places`, given about the squares
-    /// of their fields as `strengths`; at all of them where they are few. A third of the samples is
-    /// uniform, a third as frequent as the field is strong and a third as its square, because few
-    /// targets may hold most of the sum of squares. Beside them are the targets at the rims of
-    /// cells, where they are not many: there expansions err most, in a small cloud by more than at
-    /// all other targets together.
+    /// of their fields as `strengths`. A third of them is uniform, a third as frequent as the field
+    /// is strong and a third as its square, because few targets may hold most of the sum of
+    /// squares. Beside them are the targets at the rims of cells, where they are not many: there
+    /// expansions err most, in a small cloud by more than at all other targets together.
     pub(super) fn new(
         cloud: &Cloud,
         places: &[Vec<f64>; 3],
@@ -50,9 +49,6 @@ impl Reference {
     ) -> Self {
         let targets = strengths.len();
         let wanted = wanted(cloud.len(), targets);
-        if wanted == targets {
-            return Self::at(cloud, places, (0..targets).map(|target| (target, 1.0)).collect());
-        }
         let rims = if 4 * tree.cells.len() <= wanted { rims(tree, places) } else { Vec::new() };
         let totals = |part: &[f64]| part.iter().fold([0.0; 2], |[a, b], s| [a + s, b + s.sqrt()]);
         let parts: Vec<_> = strengths.par_chunks(TARGETS_PER_PART).map(totals).collect();
@@ -87,11 +83,6 @@ impl Reference {
             }
         }
         sampled.sort_unstable_by_key(|(target, _)| *target);
-        Self::at(cloud, places, sampled)
-    }
-
-    /// Reference at targets at some of the `places`, with their weights.
-    fn at(cloud: &Cloud, places: &[Vec<f64>; 3], sampled: Vec<(usize, f64)>) -> Self {
         let (samples, weights): (Vec<usize>, Vec<f64>) = sampled.into_iter().unzip();
         let places = [0, 1, 2].map(|d| samples.iter().map(|&k| places[d][k]).collect());
         let sums = direct_sums(cloud, 0.0, &places);
