@@ -19,8 +19,6 @@ pub(super) struct BatchModel<S: Simd> {
     pub(super) mass: Array<S>,
     /// Inertias of the directors d1 and d2, kg m^2 (2 per segment).
     pub(super) inertia: Array<S>,
-    /// Radii, as they follow from the inertia of solid cylinders, by lengths (1 per segment).
-    pub(super) slenderness: Array<S>,
     /// Stiffness of the joints divided by their lengths, N m (3 per joint).
     pub(super) stiffness: Array<S>,
     /// Natural rotation vectors of the joints, rad (3 per joint).
@@ -38,7 +36,6 @@ impl<S: Simd> BatchModel<S> {
             h: zeros::<S>(n),
             mass: zeros::<S>(n + 1),
             inertia: zeros::<S>(2 * n),
-            slenderness: zeros::<S>(n),
             stiffness: zeros::<S>(3 * (n + 1)),
             rest: zeros::<S>(3 * (n + 1)),
             round: zeros::<S>(1),
@@ -62,9 +59,6 @@ impl<S: Simd> BatchModel<S> {
             let inertia = 0.5 * h[e] * (nodes[e].rotary_inertia + nodes[e + 1].rotary_inertia);
             set(&mut self.inertia, 2 * e, lane, inertia.y);
             set(&mut self.inertia, 2 * e + 1, lane, inertia.x);
-            // Of a solid cylinder the polar inertia is m r^2 / 2.
-            let radius = (2.0 * inertia.sum() / fiber.segment_mass(e)).sqrt();
-            set(&mut self.slenderness, e, lane, radius / h[e]);
         }
         let mut round = true;
         for j in 0..=n {
@@ -92,9 +86,9 @@ impl<S: Simd> BatchModel<S> {
         })
     }
 
-    fn bytes(&self) -> [&[u8]; 7] {
-        let Self { h, mass, inertia, slenderness, stiffness, rest, round } = self;
-        [h, mass, inertia, slenderness, stiffness, rest, round].map(|array| cast_slice(array))
+    fn bytes(&self) -> [&[u8]; 6] {
+        let Self { h, mass, inertia, stiffness, rest, round } = self;
+        [h, mass, inertia, stiffness, rest, round].map(|array| cast_slice(array))
     }
 }
 

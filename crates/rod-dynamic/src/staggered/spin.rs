@@ -82,15 +82,15 @@ impl<S: Simd> RotationChain<S> {
         *torque += d[2].cross(p);
         *hessian = *hessian + director_hessian(d[2], p, definite);
         *potential = *potential - d[2].dot(p);
-        let before = self.directors_before(e)[2];
-        let found = self.one(&self.kept.spin, e);
+        let before = self.directors_before(e);
+        let found = spin(before, d, self.one(&self.kept.spin, e));
         let of_spin = |k: usize| self.one(&self.room.spin, 4 * e + k);
         let [inertia, target, still, rate] = [of_spin(0), of_spin(1), of_spin(2), of_spin(3)];
         let ahead = found - target;
-        let axis_rate = (d[2] - before).scale(Lane::new(self.simd, self.room.rate))
+        let axis_rate = (d[2] - before[2]).scale(Lane::new(self.simd, self.room.rate))
             + self.vec(&self.room.p, 2 * e + 1);
         *torque -= d[2].scale(inertia * ahead) + axis_rate.scale(rate.mul_add(found, still));
-        *hessian = *hessian + Sym::outer(gradient(before, d[2])).scale(inertia);
+        *hessian = *hessian + Sym::outer(gradient(before[2], d[2])).scale(inertia);
         *potential = (ahead * ahead).mul_add(inertia * ahead.lift(0.5), *potential);
     }
 
@@ -151,7 +151,11 @@ impl<S: Simd> RotationChain<S> {
             let (turn, axis) = (self.vec(&self.kept.step, 2 * e + 1), self.axis(e));
             let about = axis.dot(turn);
             largest = largest.max((turn - axis.scale(about)).max_abs());
-            let surface = self.one(&self.model.slenderness, e);
+            // Of a solid cylinder the polar inertia is m r^2 / 2.
+            let polar = self.polar_inertia(e);
+            let mass = self.one(&self.model.mass, e) + self.one(&self.model.mass, e + 1);
+            let radius = (polar * polar.lift(4.0) * mass.recip()).sqrt();
+            let surface = radius * self.one(&self.model.h, e).recip();
             largest = largest.max(about.abs() * surface.max(resists));
             let joined = Lane::new(self.simd, self.ends.root_joint);
             let apart = if e > 0 { about - before } else { about * joined };
