@@ -2,6 +2,7 @@
 
 use crate::common::Run;
 use nalgebra::Vector3;
+use rapunzel_sim::BodyRef;
 use std::f64::consts::PI;
 
 /// A stiff fibre presses on a drum; its clamp and the drum turn together as one body. Nothing
@@ -139,11 +140,11 @@ fn crossed_fibers_twist_each_other() {
 fn bonds_carry_a_torque() {
     let radius = 1e-3;
     let moment = 1e-6;
-    let fiber = |x: f64, more: &str| {
+    let fiber = |x: f64, y: f64, more: &str| {
         format!(
             "(length: 0.01, segments: 4, section: Circle(radius: {radius:?}), damping_time: 1e-3,
                 {more}
-                root: (position: ({x:?}, 0, 0), orientation: Along(direction: (0, 1, 0))))"
+                root: (position: ({x:?}, {y:?}, 0), orientation: Along(direction: (0, 1, 0))))"
         )
     };
     let turned = format!("root_joint: Free, tip: Loaded(moment: (value: (0, {moment:?}, 0))),");
@@ -153,9 +154,10 @@ fn bonds_carry_a_torque() {
             "(format: 1, duration: 1.0, fibers: [{}, {}, {}],
             contact: (friction: Isotropic(0.5), residual: 1e-8, slip: 1e-9 {laws}),
             environment: (gravity: (0, 0, 0), viscosity: 1e-3), stepper: (dt: 1e-3))",
-            fiber(-apart, ""),
-            fiber(0.0, &turned),
-            fiber(apart, ""),
+            // The bonds and the root must not lie on a line, about which the fibre would swing.
+            fiber(-apart, 2e-3, ""),
+            fiber(0.0, 0.0, &turned),
+            fiber(apart, 6e-3, ""),
         ));
         run.steps(200);
         run
@@ -165,10 +167,18 @@ fn bonds_carry_a_torque() {
     assert!(spin(&free) > 1.0, "{}", spin(&free));
     let bonded = run(0.0, ", adhesion: Bonds(strength: 1.0, range: 1e-6)");
     assert!(spin(&bonded).abs() < 1e-9 * spin(&free), "{}", spin(&bonded));
-    let forces: Vec<_> = bonded.world.contacts().map(|contact| contact.force.z).collect();
-    println!("{forces:?}");
-    // Of both pairs a force on the first along z turns the middle one by this, what merely touches
-    // beside the bonds and rubs included.
-    let torque = radius * bonded.world.contacts().map(|contact| contact.force.z).sum::<f64>();
-    assert!((torque.abs() - moment).abs() < 1e-4 * moment, "{torque} Nm of {moment} Nm");
+    // What acts on the middle one, about the origin: at rest it balances the moment.
+    let mut torque = Vector3::zeros();
+    for contact in bonded.world.contacts() {
+        let [BodyRef::Fiber(first), BodyRef::Fiber(second)] = contact.sides else {
+            unreachable!("fibres only");
+        };
+        let nodes = bonded.world.state(first as usize).positions;
+        let segment = (contact.at[0] as usize).min(nodes.len() - 2);
+        let axis = nodes[segment].lerp(&nodes[segment + 1], contact.at[0] - segment as f64);
+        let sense = f64::from(first == 1) - f64::from(second == 1);
+        torque += sense * (axis + contact.lever).coords.cross(&contact.force);
+    }
+    let rest = torque + Vector3::new(0.0, moment, 0.0);
+    assert!(rest.norm() < 1e-4 * moment, "{torque} Nm of {moment} Nm");
 }
