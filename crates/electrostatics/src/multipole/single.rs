@@ -9,14 +9,20 @@ use pulp::Simd;
 use rapunzel_lanes::{Kernel, LANES_F32, Lane, Roots, dispatch};
 use std::ops::Range;
 
-/// Number of sources whose sum is made before it is added to that of all, so that few roundings add
+/// Number of sources whose sum is made before it is added to the total, so that few roundings add
 /// up.
 const SOURCES_PER_SUM: usize = 64;
 
+/// Distance, in units of a cell, below which coordinates of single precision are too coarse: of two
+/// points that are this close to each other, and one of which is in the cell, each errs by at most
+/// 1e-7, and their field by 4e-5 of it.
+const CLOSE: f32 = 1e-2;
+
 /// Adds to `out[k]` the potential (1/m) and the negative field (1/m^2) that the `ranges` of
-/// `sources` make at the target k of `cell`, for their charges, to some 1e-6 of each pair, if
-/// `fine`; else coordinates are rounded to single precision. Lengths are divided by the larger of
-/// the radius of the cell and `least` (m), which keeps all powers of distances within range.
+/// `sources` make at the target k of `cell`, for their charges: to some 1e-6 of each pair, if
+/// `fine`, else to 4e-5, with coordinates that are rounded to single precision where no pair is
+/// close. The sources within `own` are the targets of the cell. Lengths are divided by the larger
+/// of the radius of the cell and `least` (m), which keeps all powers of distances within range.
 ///
 /// Cost: 0.2 ns a pair with AVX-512.
 pub(crate) fn add_pairs_single(
@@ -24,11 +30,12 @@ pub(crate) fn add_pairs_single(
     ranges: &[Range<usize>],
     places: &[Vec<f64>; 3],
     cell: &Cell,
+    own: &Range<usize>,
     least: f64,
     fine: bool,
     out: &mut [[f64; 4]],
 ) {
-    dispatch(SinglePairs { sources, ranges, places, cell, least, fine, out });
+    dispatch(SinglePairs { sources, ranges, places, cell, own, least, fine, out });
 }
 
 /// Arguments of [`add_pairs_single`].
@@ -37,6 +44,7 @@ struct SinglePairs<'a> {
     ranges: &'a [Range<usize>],
     places: &'a [Vec<f64>; 3],
     cell: &'a Cell,
+    own: &'a Range<usize>,
     least: f64,
     fine: bool,
     out: &'a mut [[f64; 4]],
@@ -77,14 +85,16 @@ impl CellFrame {
 impl Kernel for SinglePairs<'_> {
     #[inline(always)]
     fn run<S: Simd, R: Roots<S> + Roots<S, f32>>(self, simd: S, roots: R) {
-        let Self { sources, ranges, places, cell, least, fine, out } = self;
+        let Self { sources, ranges, places, cell, own, least, fine, out } = self;
         let frame = CellFrame { center: cell.center.into(), inverse: 1.0 / cell.scale.max(least) };
-        let mut points = Vec::with_capacity(ranges.iter().map(Range::len).sum());
-        for range in ranges {
-            for k in range.clone() {
-                points.push(frame.point(&sources.x, sources.charge[k], k));
-            }
-        }
+        // The targets themselves come first: each has a pair of no distance.
+        let split = |targets| {
+            let all = ranges.iter().flat_map(Range::clone);
+            all.filter(move |k| own.contains(k) == targets)
+        };
+        let point = |k: usize| frame.point(&sources.x, sources.charge[k], k);
+        let points: Vec<_> = split(true).chain(split(false)).map(point).collect();
+        let targets = split(true).count();
         let lanes = S::F32_LANES;
         for (first, out) in cell.bodies.clone().step_by(lanes).zip(out.chunks_mut(lanes)) {
             // Lanes without a target are at the center.
@@ -95,11 +105,15 @@ impl Kernel for SinglePairs<'_> {
                     (rows[d][k], rows[3 + d][k]) = (target.x[d], target.rest[d]);
                 }
             }
-            let sums = if fine {
-                add_points::<S, R, true>(simd, roots, &points, &rows)
+            let mut sums = [Lane::splat(simd, 0.0); 4];
+            let (exact, coarse) = points.split_at(if fine { points.len() } else { targets });
+            add_points::<S, R, true>(simd, roots, exact, &rows, &mut sums);
+            let mut rough = sums;
+            if add_points::<S, R, false>(simd, roots, coarse, &rows, &mut rough) < CLOSE * CLOSE {
+                add_points::<S, R, true>(simd, roots, coarse, &rows, &mut sums);
             } else {
-                add_points::<S, R, false>(simd, roots, &points, &rows)
-            };
+                sums = rough;
+            }
             for (c, sum) in sums.iter().enumerate() {
                 // A potential is an inverse length, a field one squared, of a half and a quarter.
                 let unit = frame.inverse * if c == 0 { 1.0 } else { 0.25 * frame.inverse };
@@ -111,22 +125,24 @@ impl Kernel for SinglePairs<'_> {
     }
 }
 
-/// Sums of `points` at a register of targets, without what the rounding of coordinates leaves
-/// unless `FINE`, in units of [`double_rsqrt`](Roots::double_rsqrt).
+/// Adds the sums of `points` at a register of targets, without what the rounding of coordinates
+/// leaves unless `FINE`, in units of [`double_rsqrt`](Roots::double_rsqrt). Returns the least square
+/// of a distance, infinite for no points.
 #[inline(always)]
 fn add_points<S: Simd, R: Roots<S, f32>, const FINE: bool>(
     simd: S,
     roots: R,
     points: &[SplitPoint],
     targets: &[[f32; LANES_F32]; 6],
-) -> [Lane<S, f32>; 4] {
+    totals: &mut [Lane<S, f32>; 4],
+) -> f32 {
     let zero = Lane::splat(simd, 0.0);
     let (mut x, mut rest) = ([zero; 3], [zero; 3]);
     for d in 0..3 {
         x[d] = Lane::load(simd, &targets[d], 0);
         rest[d] = Lane::load(simd, &targets[3 + d], 0);
     }
-    let mut totals = [zero; 4];
+    let mut least = Lane::splat(simd, f32::INFINITY);
     for tile in points.chunks(SOURCES_PER_SUM) {
         let mut sums = [zero; 4];
         for point in tile {
@@ -138,6 +154,9 @@ fn add_points<S: Simd, R: Roots<S, f32>, const FINE: bool>(
                 }
             }
             let r2 = r[2].mul_add(r[2], r[1].mul_add(r[1], r[0] * r[0]));
+            if !FINE {
+                least = least.min(r2);
+            }
             let inverse = roots.double_rsqrt(r2);
             let potential = Lane::splat(simd, point.charge) * inverse;
             sums[0] = sums[0] + potential;
@@ -150,5 +169,5 @@ fn add_points<S: Simd, R: Roots<S, f32>, const FINE: bool>(
             totals[c] = totals[c] + sums[c];
         }
     }
-    totals
+    least.numbers().iter().copied().fold(f32::INFINITY, f32::min)
 }

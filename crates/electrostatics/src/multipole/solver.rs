@@ -246,7 +246,8 @@ impl<E: Coefficient> PointSum<'_, E> {
             let least = LEAST * self.targets.cells[0].scale;
             let fine =
                 !matches!(self.plan.accuracy, Accuracy::Tolerance(t) if t >= COARSE_COORDINATES);
-            add_pairs_single(self.cloud, near, self.places, cell, least, fine, out);
+            let own = if self.plan.targets.is_none() { cell.bodies.clone() } else { 0..0 };
+            add_pairs_single(self.cloud, near, self.places, cell, &own, least, fine, out);
         }
     }
 

@@ -229,6 +229,25 @@ proptest! {
     }
 }
 
+/// A pair that is so close that it makes nearly all of the field is not lost, on whichever sides of
+/// a border of cells its points lie.
+#[test]
+fn close_pairs_in_different_cells_are_seen() {
+    for distance in [1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13] {
+        for tolerance in [1e-3, 1e-4, 1e-5, 1e-7, 1e-9] {
+            let mut points = cube(5000, 3);
+            // Points at opposite corners put the first border at the origin.
+            points.extend([Point3::new(2.0, 2.0, 2.0), Point3::new(-2.0, -2.0, -2.0)]);
+            points.extend([0.5, -0.5].map(|side| Point3::new(side * distance, 0.3, 0.2)));
+            let charges = charges(points.len(), true, 5);
+            let fields = multipole(tolerance, &points, &charges).expect("met");
+            let exact = Direct.fields(&points, &charges, &points).expect("valid").fields;
+            let error = relative(&fields, &exact);
+            assert!(error <= tolerance, "{error}, more than {tolerance}, at {distance} m");
+        }
+    }
+}
+
 /// Clouds of a few cells are the hardest: few targets have cells at the least distance for their
 /// radii, and samples may miss them.
 #[test]

@@ -196,7 +196,10 @@ proptest! {
         // Maximal dissipation: no corner of the curve, nor the origin, works more against the slip.
         let corners = spokes.iter().map(|(a, mu)| *mu * Vector2::new(a.cos(), a.sin()));
         let least = corners.map(|c| impulse.z * c.dot(&slip)).fold(0.0, f64::min);
-        // Corners of very different size make the program ill-conditioned, by their ratio.
-        prop_assert!(p.dot(&slip) < least + 1e-12, "{p} {slip}");
+        // Where corners of very different size meet, edges are almost parallel: their point of
+        // intersection moves with their rounding by the ratio of the sizes.
+        let sizes = || spokes.iter().map(|(_, mu)| *mu).filter(|mu| *mu > 0.0);
+        let ratio = sizes().fold(0.0, f64::max) / sizes().fold(f64::INFINITY, f64::min);
+        prop_assert!(p.dot(&slip) < least + 1e-12 * ratio.max(1.0), "{p} {slip}");
     }
 }
