@@ -29,13 +29,6 @@ impl<T: Clone> ArrayPool<T> {
         array.resize(length, value);
         PooledArray { array, pool: Self(Arc::clone(&self.0)) }
     }
-
-    /// An array of a length with one value everywhere.
-    pub(crate) fn filled(&self, length: usize, value: T) -> PooledArray<T> {
-        let mut array = self.take(length, value.clone());
-        array.fill(value);
-        array
-    }
 }
 
 impl<T> Drop for PooledArray<T> {

@@ -15,6 +15,18 @@ const ROLL: f64 = 0.2;
 /// Gaps that differ by no more than this, in radii, are the same.
 const EVEN: f64 = 1e-3;
 
+/// Segments in a row of which one node tells whether any may be near.
+const BLOCK: usize = 8;
+
+/// A node in the frame of an object after a step.
+struct NodeByObject {
+    place: Point3<f64>,
+    /// Value of the object's field there, m.
+    value: f64,
+    /// How far it has gone in that frame, m.
+    way: f64,
+}
+
 /// One fibre before and after a step.
 pub(crate) struct MovingFiber<'a> {
     pub(crate) fiber: u32,
@@ -89,89 +101,110 @@ impl CollisionObject {
         let own = |node: &Point3<f64>, when: usize| {
             turns[when].inverse_transform_point(&(node - poses[when].translation.vector))
         };
-        let after: Vec<_> = strand.end.iter().map(|node| own(node, 1)).collect();
-        let values: Vec<f64> = after.iter().map(|node| field.value(node)).collect();
-        // Where it rests they are as long in any frame.
-        let both = strand.start.iter().zip(strand.end);
-        let ways: Vec<f64> = if poses[0] == poses[1] {
-            both.map(|(before, after)| (after - before).norm()).collect()
-        } else {
-            both.map(|(before, after)| (own(after, 1) - own(before, 0)).norm()).collect()
+        let way = |node: usize| {
+            let (before, after) = (&strand.start[node], &strand.end[node]);
+            // Where it rests they are as long in any frame.
+            let rests = poses[0] == poses[1];
+            if rests { after - before } else { own(after, 1) - own(before, 0) }.norm()
         };
-        let mut contacts: Vec<FieldContact> = Vec::new();
-        for (s, &radius) in strand.radii.iter().enumerate().skip(strand.first) {
-            let (start, end) = (strand.end[s], strand.end[s + 1]);
-            let length = (end - start).norm();
-            let (way, nearest) =
-                (ways[s].max(ways[s + 1]), 0.5 * (values[s] + values[s + 1] - slope * length));
-            // No point of other segments is near enough, or was on the way.
-            let reach = slope * way + radius + margin;
-            if nearest > reach {
+        let largest = |all: &[f64]| all.iter().copied().fold(0.0, f64::max);
+        let (mut nodes, mut ways, mut contacts) = (Vec::new(), Vec::new(), Vec::new());
+        for first in (strand.first..strand.radii.len()).step_by(BLOCK) {
+            let radii = &strand.radii[first..strand.radii.len().min(first + BLOCK)];
+            let block = first..first + radii.len() + 1;
+            ways.clear();
+            ways.extend(block.clone().map(way));
+            // What one node tells of all that is not farther from it.
+            let middle = &strand.end[first + radii.len() / 2];
+            let around =
+                strand.end[block.clone()].iter().map(|node| (node - middle).norm_squared());
+            let around = around.fold(0.0, f64::max).sqrt();
+            let reach = slope * (around + largest(&ways)) + largest(radii) + margin;
+            if field.value(&own(middle, 1)) > reach {
                 continue;
             }
-            let nearest = nearest.max(field.least_between(&after[s], &after[s + 1]));
-            if nearest > reach {
-                continue;
-            }
-            contacts.clear();
-            let [a, b] = [s, s + 1].map(|node| own(&strand.start[node], 0));
-            let moving = MovingSegment { before: [a, b], after: [after[s], after[s + 1]] };
-            let half = 0.5 * slope * way;
-            let clears = |[a, b]: [Point3<f64>; 2]| {
-                field.least_between(&a, &b) > half || self.clears(&a, &b, half)
-            };
-            let clear = way < radius || clears(moving.before) && clears(moving.after);
-            let passed = if clear { None } else { self.passing(&moving, radius) };
-            if let Some(contact) = passed {
-                contacts.push(contact);
-            } else if nearest <= radius + margin {
-                let capsule = Capsule { start: after[s], end: after[s + 1], radius };
-                let search =
-                    ContactSearch { margin, spacing: 0.1 * length, tolerance: EVEN * radius };
-                let ends = [0, 1].map(|i| values[s + i] - radius);
-                // A search would find nothing between them that is nearer.
-                let known = nearest - radius >= ends[0].min(ends[1]) - EVEN * radius
-                    && is_even(&[], ends, &field, &capsule);
-                if !known {
-                    search.contacts(&field, &capsule, &mut contacts);
+            nodes.clear();
+            nodes.extend(strand.end[block].iter().zip(&ways).map(|(node, &way)| {
+                let place = own(node, 1);
+                NodeByObject { place, value: field.value(&place), way }
+            }));
+            for (k, &radius) in radii.iter().enumerate() {
+                let s = first + k;
+                let ends = [&nodes[k], &nodes[k + 1]];
+                let after = ends.map(|node| node.place);
+                let (start, end) = (strand.end[s], strand.end[s + 1]);
+                let length = (end - start).norm();
+                let way = ends[0].way.max(ends[1].way);
+                let nearest = 0.5 * (ends[0].value + ends[1].value - slope * length);
+                // No point of other segments is near enough, or was on the way.
+                let reach = slope * way + radius + margin;
+                if nearest > reach {
+                    continue;
                 }
-                if known || is_even(&contacts, ends, &field, &capsule) {
-                    contacts.clear();
-                    contacts.extend(at_ends(ends, &field, &capsule, margin));
-                } else {
-                    strand.held.keep(s, &field, &capsule, &mut contacts);
-                    if let [deepest] = contacts[..] {
-                        contacts.extend(beside(&deepest, &field, &capsule, margin));
+                let nearest = nearest.max(field.least_between(&after[0], &after[1]));
+                if nearest > reach {
+                    continue;
+                }
+                contacts.clear();
+                let [a, b] = [s, s + 1].map(|node| own(&strand.start[node], 0));
+                let moving = MovingSegment { before: [a, b], after };
+                let half = 0.5 * slope * way;
+                let clears = |[a, b]: [Point3<f64>; 2]| {
+                    field.least_between(&a, &b) > half || self.clears(&a, &b, half)
+                };
+                let clear = way < radius || clears(moving.before) && clears(moving.after);
+                let passed = if clear { None } else { self.passing(&moving, radius) };
+                if let Some(contact) = passed {
+                    contacts.push(contact);
+                } else if nearest <= radius + margin {
+                    let capsule = Capsule { start: after[0], end: after[1], radius };
+                    let search =
+                        ContactSearch { margin, spacing: 0.1 * length, tolerance: EVEN * radius };
+                    let ends = ends.map(|node| node.value - radius);
+                    // A search would find nothing between them that is nearer.
+                    let known = nearest - radius >= ends[0].min(ends[1]) - EVEN * radius
+                        && is_even(&[], ends, &field, &capsule);
+                    if !known {
+                        search.contacts(&field, &capsule, &mut contacts);
+                    }
+                    if known || is_even(&contacts, ends, &field, &capsule) {
+                        contacts.clear();
+                        contacts.extend(at_ends(ends, &field, &capsule, margin));
+                    } else {
+                        strand.held.keep(s, &field, &capsule, &mut contacts);
+                        if let [deepest] = contacts[..] {
+                            contacts.extend(beside(&deepest, &field, &capsule, margin));
+                        }
                     }
                 }
-            }
-            for contact in contacts.iter().filter(|c| c.normal != Vector3::zeros()) {
-                let normal = poses[1] * contact.normal;
-                let axis = start + contact.fraction * (end - start);
-                let place = axis - normal * (contact.gap + radius);
-                let was = poses[0] * poses[1].inverse_transform_point(&place);
-                let own = match &self.motion {
-                    ObjectMotion::Kinematic(_) => (place - was) / step.length,
-                    ObjectMotion::Dynamic(body) => axis - radius * normal - body.centers()[1],
-                };
-                #[expect(clippy::cast_possible_truncation, reason = "counted with 32 bits")]
-                let segment = s as u32;
-                found.push(ContactPoint {
-                    sides: [BodyRef::Fiber(strand.fiber), BodyRef::Object(index)],
-                    segments: [segment, 0],
-                    fractions: [contact.fraction, 0.0],
-                    normal,
-                    arms: [end - start, own],
-                    offsets: [-radius * normal, Vector3::zeros()],
-                    gap: contact.gap,
-                    impulse: Vector3::zeros(),
-                    drift: Vector3::zeros(),
-                    lean: Vector3::zeros(),
-                    rests: false,
-                    working: false,
-                    bonded: false,
-                    kinematic: !self.is_free(),
-                });
+                for contact in contacts.iter().filter(|c| c.normal != Vector3::zeros()) {
+                    let normal = poses[1] * contact.normal;
+                    let axis = start + contact.fraction * (end - start);
+                    let place = axis - normal * (contact.gap + radius);
+                    let was = poses[0] * poses[1].inverse_transform_point(&place);
+                    let own = match &self.motion {
+                        ObjectMotion::Kinematic(_) => (place - was) / step.length,
+                        ObjectMotion::Dynamic(body) => axis - radius * normal - body.centers()[1],
+                    };
+                    #[expect(clippy::cast_possible_truncation, reason = "counted with 32 bits")]
+                    let segment = s as u32;
+                    found.push(ContactPoint {
+                        sides: [BodyRef::Fiber(strand.fiber), BodyRef::Object(index)],
+                        segments: [segment, 0],
+                        fractions: [contact.fraction, 0.0],
+                        normal,
+                        arms: [end - start, own],
+                        offsets: [-radius * normal, Vector3::zeros()],
+                        gap: contact.gap,
+                        impulse: Vector3::zeros(),
+                        drift: Vector3::zeros(),
+                        lean: Vector3::zeros(),
+                        rests: false,
+                        working: false,
+                        bonded: false,
+                        kinematic: !self.is_free(),
+                    });
+                }
             }
         }
     }

@@ -169,18 +169,24 @@ fn pose(state: &RodState, node: usize) -> Isometry3<f64> {
 /// The parts of a step of fibres in contact.
 impl FiberGroup<StaggeredBatch> {
     /// Sets out on the step from `time` by `dt`, s, with impulses on all fibres at its start,
-    /// without solving it.
+    /// without solving it; without impulses the first iteration of Newton's method is taken at
+    /// once. Returns the largest increment, rad, infinite where none has been taken.
     pub(crate) fn set_out(
         &mut self,
         time: f64,
         dt: f64,
         impulses: Impulses,
-    ) -> Result<(), StepError> {
+    ) -> Result<f64, StepError> {
         let middle = self.load(time, dt)?;
         let during: Vec<_> = self.lanes.iter().map(|lane| lane.during(middle)).collect();
         let lanes: Vec<&dyn Conditions> = during.iter().map(|c| c as &dyn Conditions).collect();
         let mut reports = [rod::RodStepReport::default(); StaggeredBatch::MAX_FIBERS];
-        let done = self.batch.set_out(dt, &lanes, impulses, &mut reports);
+        let done = if impulses == Impulses::NONE {
+            self.batch.set_out_free(dt, &lanes, &mut reports)
+        } else {
+            let set = self.batch.set_out(dt, &lanes, impulses, &mut reports);
+            set.map(|()| f64::INFINITY)
+        };
         done.map_err(|error| error.renumbered(|lane| self.fibers[lane]))
     }
 

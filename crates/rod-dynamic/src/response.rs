@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, Matrix3, Vector3};
 /// Impulses on all fibres of a batch at the start of a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Impulses<'a> {
-    /// Impulses on the nodes, N s, world: one per node, fibre by fibre.
+    /// Impulses on the nodes, N s, world: one per node, fibre by fibre, or none at all.
     pub nodes: &'a [Vector3<f64>],
     /// Moments of impulses beside the axis about it, N m s, world: one per segment, fibre by fibre,
     /// or none at all.
@@ -18,7 +18,10 @@ impl<'a> Impulses<'a> {
         Self { nodes, segments: &[] }
     }
 
-    /// The impulses on one of fibres with so many segments each.
+    /// No impulses.
+    pub const NONE: Impulses<'static> = Impulses { nodes: &[], segments: &[] };
+
+    /// The impulses on one of fibres with so many segments each, of which there are some.
     pub(crate) fn of_fiber(&self, fiber: usize, segments: usize) -> Self {
         let nodes = &self.nodes[fiber * (segments + 1)..][..segments + 1];
         let none = self.segments.is_empty();

@@ -1,7 +1,7 @@
 //! Pairs that stay good for a while.
 
 use super::bounds::{Bounds, above, below};
-use super::way::{OneWay, Way, take_ways};
+use super::way::{OneWay, Way, Ways};
 use super::{NONE, Tree};
 use crate::capsules::length;
 use crate::narrow::{self, CapsuleContact, squared_distances};
@@ -131,15 +131,14 @@ impl Candidates {
             self.update(start)?;
         }
         let Some(list) = &mut self.list else { return Ok(Vec::new()) };
-        let mut ways = std::mem::take(&mut list.ways);
-        take_ways(start, end, &mut ways);
+        let mut ways = Ways::new(start, end, std::mem::take(&mut list.ways));
         match list.way.astray(start, end) {
-            None => list.set_out(start, end, &ways)?,
+            None => list.set_out(start, end, &mut ways)?,
             Some(astray) if astray.nodes.is_empty() => (),
             Some(astray) => list.way.turn(start, end, &astray, &mut list.tree, self.reach)?,
         }
-        let found = list.way.go(&ways, self.reach);
-        list.ways = ways;
+        let found = list.way.go(&mut ways, self.reach);
+        list.ways = ways.into_room();
         Ok(found)
     }
 
@@ -234,7 +233,7 @@ impl List {
         &mut self,
         start: &Capsules,
         end: &Capsules,
-        ways: &[OneWay],
+        ways: &mut Ways,
     ) -> Result<(), CollisionError> {
         let both = start.positions().par_iter().zip(end.positions());
         let is_short = both.all(|(a, b)| SHORT * (b - a).norm() <= self.margin);

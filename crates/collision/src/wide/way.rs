@@ -39,11 +39,12 @@ impl Way {
     pub(super) fn set_out(
         &mut self,
         [start, end]: [&Capsules; 2],
-        ways: &[OneWay],
+        ways: &mut Ways,
         pairs: &[Pair],
         [reach, slack]: [f64; 2],
     ) {
-        let chunk = sieve(start, ways, reach + slack);
+        ways.expect(pairs.len());
+        let chunk = sieve(ways, reach + slack);
         join(pairs.par_chunks(WAY_CHUNK).map(chunk).collect(), &mut self.all);
         self.start.clear();
         self.start.extend_from_slice(start.positions());
@@ -56,7 +57,7 @@ impl Way {
     pub(super) fn set_out_among(
         &mut self,
         [start, end]: [&Capsules; 2],
-        ways: &[OneWay],
+        ways: &mut Ways,
         tree: &mut Tree,
         [reach, slack]: [f64; 2],
     ) -> Result<(), CollisionError> {
@@ -98,9 +99,8 @@ impl Way {
         let end = Capsules::new(layout, &self.end, start.radii())?;
         tree.refit_swept(start, &end, 0.5 * reach)?;
         let mut found = Vec::new();
-        let mut ways = Vec::new();
-        take_ways(start, &end, &mut ways);
-        let near = sieve(start, &ways, reach);
+        let ways = Ways::new(start, &end, Vec::new());
+        let near = sieve(&ways, reach);
         tree.sifted_pairs_of(&turned, |pairs| near(pairs), &mut found);
         self.all.retain(|(pair, _)| pair.iter().all(|&segment| !turned[segment as usize]));
         self.all.append(&mut found);
@@ -125,10 +125,12 @@ impl Way {
     }
 
     /// Finds the pairs that may come within `reach`, m, of each other on their `ways`.
-    pub(super) fn go(&self, ways: &[OneWay], reach: f64) -> Vec<(Pair, f64)> {
+    pub(super) fn go(&self, ways: &mut Ways, reach: f64) -> Vec<(Pair, f64)> {
+        ways.expect(self.all.len());
+        let ways = &*ways;
         let chunk = |pairs: &[(Pair, f64)]| {
             let mut found = Vec::with_capacity(pairs.len());
-            let near = pairs.iter().filter(|(pair, squared)| near(ways, pair, *squared, reach));
+            let near = pairs.iter().filter(|(pair, squared)| ways.near(pair, *squared, reach));
             found.extend(near);
             found
         };
@@ -140,16 +142,15 @@ impl Way {
 
 /// Those of some pairs that may come within `reach`, m, of each other on their ways, with their
 /// squared distances at the start, m².
-fn sieve(
-    start: &Capsules,
-    ways: &[OneWay],
+fn sieve<'a>(
+    ways: &'a Ways<'a>,
     reach: f64,
-) -> impl Fn(&[Pair]) -> Vec<(Pair, f64)> + Sync + Send {
+) -> impl Fn(&[Pair]) -> Vec<(Pair, f64)> + Sync + Send + 'a {
     move |pairs| {
         let (mut squared, mut found) = (Vec::new(), Vec::with_capacity(pairs.len()));
-        squared_distances(start, pairs, &mut squared);
+        squared_distances(ways.start, pairs, &mut squared);
         let both = pairs.iter().copied().zip(squared);
-        found.extend(both.filter(|(pair, squared)| near(ways, pair, *squared, reach)));
+        found.extend(both.filter(|(pair, squared)| ways.near(pair, *squared, reach)));
         found
     }
 }
@@ -163,21 +164,60 @@ pub(super) struct OneWay {
     own: f64,
 }
 
-/// Replaces `ways` by those of all segments.
-pub(super) fn take_ways(start: &Capsules, end: &Capsules, ways: &mut Vec<OneWay>) {
-    let way = |segment| {
-        let nodes = start.layout().segment_nodes(segment);
-        let [a, b] = nodes.map(|node| end.positions()[node] - start.positions()[node]);
-        let own = 0.5 * (a - b).norm() + start.radii()[segment];
-        OneWay { middle: 0.5 * (a + b), own }
-    };
-    (0..start.len()).into_par_iter().map(way).collect_into_vec(ways);
+/// The ways of all segments between two places: in a table where they are asked for often, else
+/// found each time.
+pub(super) struct Ways<'a> {
+    start: &'a Capsules<'a>,
+    end: &'a Capsules<'a>,
+    table: Vec<OneWay>,
 }
 
-/// Whether a pair at a squared distance, m², at the start may come within `reach`, m, on its ways.
-fn near(ways: &[OneWay], pair: &Pair, squared: f64, reach: f64) -> bool {
-    let [a, b] = pair.map(|segment| &ways[segment as usize]);
-    // The fast distances may be off by roundings.
-    let far = ((a.middle - b.middle).norm() + a.own + b.own + reach) * (1.0 + 1e-6);
-    squared <= far * far
+impl<'a> Ways<'a> {
+    /// The ways from `start` to `end`; `room` is what a table takes.
+    pub(super) fn new(
+        start: &'a Capsules<'a>,
+        end: &'a Capsules<'a>,
+        mut room: Vec<OneWay>,
+    ) -> Self {
+        room.clear();
+        Self { start, end, table: room }
+    }
+
+    /// Makes the table if the ways of so many pairs are worth it.
+    fn expect(&mut self, pairs: usize) {
+        if self.table.is_empty() && 2 * pairs > self.start.len() {
+            let mut table = std::mem::take(&mut self.table);
+            let all = (0..self.start.len()).into_par_iter();
+            all.map(|segment| self.find(segment)).collect_into_vec(&mut table);
+            self.table = table;
+        }
+    }
+
+    fn find(&self, segment: usize) -> OneWay {
+        let nodes = self.start.layout().segment_nodes(segment);
+        let [a, b] = nodes.map(|node| self.end.positions()[node] - self.start.positions()[node]);
+        let own = 0.5 * (a - b).norm() + self.start.radii()[segment];
+        OneWay { middle: 0.5 * (a + b), own }
+    }
+
+    /// The room of the table.
+    pub(super) fn into_room(self) -> Vec<OneWay> {
+        self.table
+    }
+
+    /// Whether a pair at a squared distance, m², at the start may come within `reach`, m, on its
+    /// ways.
+    fn near(&self, pair: &Pair, squared: f64, reach: f64) -> bool {
+        let both = |a: &OneWay, b: &OneWay| {
+            // The fast distances may be off by roundings.
+            let far = ((a.middle - b.middle).norm() + a.own + b.own + reach) * (1.0 + 1e-6);
+            squared <= far * far
+        };
+        let [a, b] = pair.map(|segment| segment as usize);
+        if self.table.is_empty() {
+            both(&self.find(a), &self.find(b))
+        } else {
+            both(&self.table[a], &self.table[b])
+        }
+    }
 }

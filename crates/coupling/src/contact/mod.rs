@@ -60,6 +60,7 @@ mod stepper;
 mod substep;
 mod substep_failure;
 mod system;
+mod touched_parts;
 mod tunnelling;
 mod velocities;
 mod warm_start;

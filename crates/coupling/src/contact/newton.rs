@@ -84,8 +84,8 @@ impl ContactStepper {
     }
 
     /// One iteration of Newton's method, with the rods as they are linearised, but groups that are
-    /// `still`. Returns the largest
-    /// increment, rad, and whether the contacts were solved as well as asked.
+    /// `still`. Returns the largest increment, rad, and whether the contacts were solved as well as
+    /// asked.
     fn iterate(
         &mut self,
         system: &mut CoupledSystem,
@@ -96,8 +96,9 @@ impl ContactStepper {
     ) -> Result<(f64, bool), SubstepFailure> {
         self.solver.set_tolerance(effort.of(&self.tolerance(part.dt)));
         let mut laps = PhaseTimer::start(self.stopwatch);
-        let one = case.solve(system, &mut self.solver, patient)?;
+        let one = case.solve(system, &mut self.solver, patient, still)?;
         laps.lap(&mut self.times.solver);
+        let still = &self.wake(system, case, still)?;
         let advance = |group: &mut FiberGroup<_>, own: Impulses| group.advance(own);
         let turns = system.fibers.with_impulses(still, case.pushes(), advance)?;
         system.push(case.pushes(), part.time, part.dt)?;
@@ -106,7 +107,7 @@ impl ContactStepper {
         let last = part.turns.iter_mut().zip(&turns).zip(still);
         last.filter(|(_, still)| !**still).for_each(|((last, turn), _)| *last = *turn);
         laps.lap(&mut self.times.rods);
-        let found = case.certificate(system, &system.fibers.velocities(StepVelocity::Mean));
+        let found = case.certificate(system, &case.velocities(system, StepVelocity::Mean));
         case.set_error(self.tolerance(part.dt).error(&found));
         laps.lap(&mut self.times.laws);
         part.report.iterations += system.fibers.assembly().fibers().len();
@@ -120,6 +121,21 @@ impl ContactStepper {
         Ok((turn, self.solver.tolerance().error(&one) <= 1.0))
     }
 
+    /// Linearises the groups that were `still` and that contacts push after all. Returns which are
+    /// still now.
+    fn wake(
+        &self,
+        system: &mut CoupledSystem,
+        case: &ContactProblem,
+        still: &[bool],
+    ) -> Result<Vec<bool>, SubstepFailure> {
+        let mut now = still.to_vec();
+        case.working_groups(system, |group| now[group] = false);
+        let others: Vec<bool> = still.iter().zip(&now).map(|(was, is)| *is || !was).collect();
+        system.fibers.for_groups(&others, |group| group.linearize())?;
+        Ok(now)
+    }
+
     /// Whether fibres have come deeper into each other than their contacts tell, by more than they
     /// may: a solution with these contacts would be found to be none.
     fn strays(
@@ -129,7 +145,7 @@ impl ContactStepper {
         case: &ContactProblem,
     ) -> Result<bool, CollisionError> {
         let mut laps = PhaseTimer::start(self.stopwatch);
-        let mean = system.fibers.velocities(StepVelocity::Mean);
+        let mean = case.velocities(system, StepVelocity::Mean);
         let ends = system.fibers.ends(&self.shapes);
         let near = case.near(system, &mean, part.dt);
         let found = detection::gaps(&part.motion(system, &self.shapes, &ends), &near)?;

@@ -1,6 +1,7 @@
 //! Arrays over all nodes and segments of fibres, and what groups make of their parts of them.
 
 use super::sections::SectionShapes;
+use super::touched_parts::TouchedParts;
 use crate::array_pool::PooledArray;
 use crate::contact_point::{BodyRef, ContactImpulse};
 use crate::{FiberGroup, Fibers};
@@ -35,6 +36,8 @@ struct FiberImpulses {
     nodes: PooledArray<Vector3<f64>>,
     /// Moments of impulses on the segments about their axes, N m s, world.
     segments: PooledArray<Vector3<f64>>,
+    /// By group, whether there are any on it; if not, the numbers above are of another time.
+    pushed: Vec<bool>,
 }
 
 impl Fibers<StaggeredBatch> {
@@ -43,7 +46,7 @@ impl Fibers<StaggeredBatch> {
     pub(super) fn positions(&self) -> PooledArray<Point3<f64>> {
         let mut all = self.positions.take(self.assembly().layout().nodes(), Point3::origin());
         let range = |fiber| self.assembly().layout().node_range(fiber);
-        self.gather(&mut all, range, StaggeredBatch::start_positions);
+        self.gather(&mut all, range, |_, batch, own| batch.start_positions(own));
         all
     }
 
@@ -52,19 +55,42 @@ impl Fibers<StaggeredBatch> {
     pub(super) fn ends(&self, shapes: &SectionShapes) -> StepEnds {
         let mut end = self.positions.take(self.assembly().layout().nodes(), Point3::origin());
         let range = |fiber| self.assembly().layout().node_range(fiber);
-        self.gather(&mut end, range, StaggeredBatch::end_positions);
+        self.gather(&mut end, range, |_, batch, own| batch.end_positions(own));
         StepEnds { start: self.positions(), end, directors: self.directors(shapes) }
     }
 
-    /// Velocities of the step under way.
-    pub(super) fn velocities(&self, which: StepVelocity) -> FiberVelocities {
+    /// Velocities of the step under way, of all fibres or of what is `touched`.
+    pub(super) fn velocities(
+        &self,
+        which: StepVelocity,
+        touched: Option<&TouchedParts>,
+    ) -> FiberVelocities {
+        self.velocities_by_group(|_| which, touched)
+    }
+
+    /// Velocities of the step under way, of each group those that are asked for, of all fibres or
+    /// of what is `touched`.
+    pub(super) fn velocities_by_group(
+        &self,
+        which: impl Fn(usize) -> StepVelocity + Sync,
+        touched: Option<&TouchedParts>,
+    ) -> FiberVelocities {
         let layout = self.assembly().layout();
         let mut nodes = self.vectors.take(layout.nodes(), Vector3::zeros());
         let mut spins = self.vectors.take(layout.segments(), Vector3::zeros());
+        if cfg!(debug_assertions) && touched.is_some() {
+            // What is not touched is of another step.
+            nodes.fill(Vector3::repeat(f64::NAN));
+            spins.fill(Vector3::repeat(f64::NAN));
+        }
         let range = |fiber| layout.node_range(fiber);
-        self.gather(&mut nodes, range, |batch, own| batch.velocities(which, own));
+        self.gather(&mut nodes, range, |group, batch, own| {
+            batch.velocities(which(group), touched.map(|parts| &parts.nodes[group][..]), own)
+        });
         let range = |fiber| layout.segment_range(fiber);
-        self.gather(&mut spins, range, |batch, own| batch.spins(which, own));
+        self.gather(&mut spins, range, |group, batch, own| {
+            batch.spins(which(group), touched.map(|parts| &parts.segments[group][..]), own)
+        });
         FiberVelocities { nodes, spins }
     }
 
@@ -77,7 +103,7 @@ impl Fibers<StaggeredBatch> {
         let layout = self.assembly().layout();
         let mut all = vec![[Vector3::zeros(); 2]; layout.segments()];
         let range = |fiber| layout.segment_range(fiber);
-        self.gather(&mut all, range, |batch, own| {
+        self.gather(&mut all, range, |_, batch, own| {
             for (lane, own) in own.iter_mut().enumerate() {
                 let each = own.iter_mut().enumerate();
                 each.for_each(|(segment, own)| *own = batch.section(lane, segment));
@@ -87,13 +113,13 @@ impl Fibers<StaggeredBatch> {
         all
     }
 
-    /// Fills an array in the order of the assembly with what groups `read` of their fibres, into
-    /// one slice for each: that of a fibre has its `range`.
+    /// Fills an array in the order of the assembly with what groups, by their numbers, `read` of
+    /// their fibres, into one slice for each: that of a fibre has its `range`.
     fn gather<T: Send>(
         &self,
         all: &mut [T],
         range: impl Fn(usize) -> Range<usize>,
-        read: impl Fn(&StaggeredBatch, &mut [&mut [T]]) -> Result<(), RodError> + Sync,
+        read: impl Fn(usize, &StaggeredBatch, &mut [&mut [T]]) -> Result<(), RodError> + Sync,
     ) {
         let fibers = self.assembly().fibers().len();
         let (mut slices, mut rest) = (Vec::with_capacity(fibers), all);
@@ -106,8 +132,8 @@ impl Fibers<StaggeredBatch> {
         let groups = self.groups.iter();
         let parts: Vec<(&FiberGroup<_>, Vec<&mut [T]>)> =
             groups.map(|group| (group, group.fibers.iter().map(&mut take).collect())).collect();
-        parts.into_par_iter().for_each(|(group, mut own)| {
-            let done = read(&group.batch, &mut own);
+        parts.into_par_iter().enumerate().for_each(|(number, (group, mut own))| {
+            let done = read(number, &group.batch, &mut own);
             debug_assert!(done.is_ok(), "there is a place for each");
         });
     }
@@ -132,19 +158,30 @@ impl Fibers<StaggeredBatch> {
     /// What touches push on all fibres.
     fn impulses(&self, pushes: impl Iterator<Item = ContactImpulse>) -> FiberImpulses {
         let layout = self.assembly().layout();
-        // Where each fibre begins.
+        // Where each fibre begins, and each group.
         let mut starts = vec![(0, 0); layout.fibers()];
+        let mut begins = Vec::with_capacity(self.groups.len() + 1);
         let (mut node, mut segment) = (0, 0);
-        for &fiber in self.groups.iter().flat_map(|group| &group.fibers) {
-            starts[fiber] = (node, segment);
-            node += layout.node_range(fiber).len();
-            segment += layout.segment_range(fiber).len();
+        for group in &self.groups {
+            begins.push((node, segment));
+            for &fiber in &group.fibers {
+                starts[fiber] = (node, segment);
+                node += layout.node_range(fiber).len();
+                segment += layout.segment_range(fiber).len();
+            }
         }
-        let mut nodes = self.vectors.filled(node, Vector3::zeros());
-        let mut segments = self.vectors.filled(segment, Vector3::zeros());
+        begins.push((node, segment));
+        let mut nodes = self.vectors.take(node, Vector3::zeros());
+        let mut segments = self.vectors.take(segment, Vector3::zeros());
+        let mut pushed = vec![false; self.groups.len()];
         for push in pushes {
             for (side, impulse) in [push.impulse, -push.impulse].into_iter().enumerate() {
                 let BodyRef::Fiber(fiber) = push.sides[side] else { continue };
+                let group = self.lane(fiber as usize).0;
+                if !std::mem::replace(&mut pushed[group], true) {
+                    nodes[begins[group].0..begins[group + 1].0].fill(Vector3::zeros());
+                    segments[begins[group].1..begins[group + 1].1].fill(Vector3::zeros());
+                }
                 let ((node, first), segment) =
                     (starts[fiber as usize], push.segments[side] as usize);
                 nodes[node + segment] += impulse * (1.0 - push.fractions[side]);
@@ -152,7 +189,7 @@ impl Fibers<StaggeredBatch> {
                 segments[first + segment] += push.levers[side].cross(&impulse);
             }
         }
-        FiberImpulses { nodes, segments }
+        FiberImpulses { nodes, segments, pushed }
     }
 
     /// Lets every group do something, in parallel, but those that are `still`, of which the default
@@ -179,16 +216,18 @@ impl Fibers<StaggeredBatch> {
         let parts: Vec<Impulses> = self
             .groups
             .iter()
-            .map(|group| {
+            .zip(&all.pushed)
+            .map(|(group, pushed)| {
                 let count = group.batch.nodes();
                 let (own, behind) = nodes.split_at(count);
                 let (turns, others) = segments.split_at(count - group.fibers.len());
                 (nodes, segments) = (behind, others);
-                Impulses { nodes: own, segments: turns }
+                if *pushed { Impulses { nodes: own, segments: turns } } else { Impulses::NONE }
             })
             .collect();
         self.in_parallel(still, parts, act)
     }
+
     /// Lets every group do something with its part, in parallel, but those that are `still`.
     fn in_parallel<P: Send, T: Default + Send>(
         &mut self,

@@ -11,6 +11,7 @@ use super::sections::SectionShapes;
 use super::substep::Substep;
 use super::substep_failure::{SubstepFailure, lost};
 use super::system::CoupledSystem;
+use super::touched_parts::TouchedParts;
 use super::warm_start::{
     CachedImpulse, ExpectedImpulses, WarmStart, bonds_within, cache_impulses, cached_impulses,
     match_cached,
@@ -19,11 +20,11 @@ use crate::contact_point::{ContactPoint, merged};
 use crate::contact_report::Unresolved;
 use crate::held_places::{HeldPlace, HeldPlaces};
 use crate::phase_times::{ContactTimes, PhaseTimer, Stopwatch};
-use crate::{CouplingError, StepReport, TimeInterval};
+use crate::{CouplingError, FiberGroup, StepReport, TimeInterval};
 use nalgebra::Vector3;
 use rapunzel_collision::CollisionError;
 use rapunzel_contact::{Admm, ContactSolver, Polished, Tolerance};
-use rapunzel_rod_dynamic::StepVelocity;
+use rapunzel_rod_dynamic::{Impulses, StepVelocity};
 use rapunzel_scene::{Adhesion, ContactMethod, ContactSettings};
 
 /// Most lists of contacts in a substep.
@@ -32,8 +33,7 @@ const MOST_LISTS: usize = 9;
 pub(super) const PATIENCE: usize = 3;
 /// Gaps up to so many radii are listed.
 const MARGIN: f64 = 0.5;
-/// By how many radii the first list of a step, which is of where it is expected to lead, is wider
-/// than the others.
+/// Radii by which the first list of a step, of where it is expected to lead, is wider.
 const WIDE: f64 = 0.5;
 /// How much deeper, in the depth that is allowed, a fibre may be beside where it rests on an
 /// object: less than what is worth a contact of its own.
@@ -234,17 +234,15 @@ impl ContactStepper {
         let joints = self.detector.joints.pushes(system, &self.memory.joints);
         let pushes = || expected.pushes().chain(joints.iter().copied());
         system.push(pushes(), time, dt)?;
-        system
-            .fibers
-            .with_impulses(&part.all(), pushes(), |group, own| group.set_out(time, dt, own))?;
+        let set_out = |group: &mut FiberGroup<_>, own: Impulses| group.set_out(time, dt, own);
+        part.turns = system.fibers.with_impulses(&part.all(), pushes(), set_out)?;
         laps.lap(&mut self.times.rods);
         let points = self.list(system, part, expected)?;
         if system.land(&points, &self.detector.joints) {
             return Err(SubstepFailure::Landed);
         }
-        let mean = system.fibers.velocities(StepVelocity::Mean);
         let room = std::mem::take(&mut self.room);
-        let mut case = self.case(system, part, expected, &mean, points, room)?;
+        let (mut case, mean) = self.case(system, part, expected, points, room)?;
         let mut laps = PhaseTimer::start(self.stopwatch);
         let start = case.certificate(system, &mean);
         laps.lap(&mut self.times.laws);
@@ -258,7 +256,7 @@ impl ContactStepper {
             let found = self.look_at_end(system, part, case.points())?;
             through = found.through;
             let mut laps = PhaseTimer::start(self.stopwatch);
-            let mean = system.fibers.velocities(StepVelocity::Mean);
+            let mean = case.velocities(system, StepVelocity::Mean);
             part.work = case.work(system, &mean, dt, self.settings.slip);
             laps.lap(&mut self.times.laws);
             let report = &mut part.report.contact;
@@ -295,7 +293,7 @@ impl ContactStepper {
             case.set_gaps(system, &mean, dt);
             let (bearing, room) = case.into_parts();
             let points = merged(bearing, &found.points, self.shallow(), list < PATIENCE);
-            case = self.case(system, part, expected, &mean, points, room)?;
+            case = self.case(system, part, expected, points, room)?.0;
             effort = self.rough(ForcingTerm::where_off(found.deepest / self.depth()));
         }
         let worst_touch = worst_touch.or_else(|| case.worst(system, time));
@@ -319,18 +317,16 @@ impl ContactStepper {
         0.5 * self.depth()
     }
 
-    /// The problem of contact points that were listed where fibres have the given mean velocities.
-    /// Their impulses act from now on and no others: some may have been expected of contact points
-    /// that are gone.
+    /// The problem of contact points that were listed where the step has been solved to, and mean
+    /// velocities there of what they touch. From now on no impulses act but theirs.
     fn case(
         &mut self,
         system: &mut CoupledSystem,
         part: &Substep,
         expected: &ExpectedImpulses,
-        mean: &FiberVelocities,
         points: Vec<ContactPoint>,
         room: ProblemWorkspace,
-    ) -> Result<ContactProblem, SubstepFailure> {
+    ) -> Result<(ContactProblem, FiberVelocities), SubstepFailure> {
         let mut laps = PhaseTimer::start(self.stopwatch);
         let gravity = system.environment.gravity_at(part.time + 0.5 * part.dt).norm();
         let laws =
@@ -338,14 +334,17 @@ impl ContactStepper {
         let gives = self.settings.compliance > 0.0;
         let before = if gives { cached_impulses(expected, &points) } else { Vec::new() };
         let step = TimeInterval { start: part.time, length: part.dt };
-        let joints = self.detector.joints.points(system, step, mean, &self.memory.joints);
-        let case =
-            ContactProblem::new(system, (points, joints), mean, part.dt, &laws, before, room)?;
+        let alone = self.detector.joints.is_empty();
+        let touched = alone.then(|| TouchedParts::new(system.fibers, &points)).flatten();
+        let mean = system.fibers.velocities(StepVelocity::Mean, touched.as_ref());
+        let joints = self.detector.joints.points(system, step, &mean, &self.memory.joints);
+        let points = (points, joints, touched);
+        let case = ContactProblem::new(system, points, &mean, part.dt, &laws, before, room)?;
         laps.lap(&mut self.times.laws);
         system.push(case.pushes(), part.time, part.dt)?;
         system.fibers.with_impulses(&part.all(), case.pushes(), |group, own| group.press(own))?;
         laps.lap(&mut self.times.rods);
-        Ok(case)
+        Ok((case, mean))
     }
 
     /// Lists the contact points where the step leads, with the impulses expected of them.

@@ -98,11 +98,13 @@ impl<S: Simd> BatchCoupledStep for SimdBatch<S> {
     fn advance(&mut self, fibers: usize, impulses: Impulses) -> [f64; LANES] {
         // What the impulses change by, as far as no end takes it up.
         self.add_impulses(-1.0);
-        for lane in 0..fibers {
-            self.set_impulses(lane, impulses.of_fiber(lane, self.chain.n));
-        }
+        self.set_impulses(fibers, impulses);
         self.add_impulses(1.0);
-        self.take_with_response()
+        let zero = |sums: &[S::f64s]| {
+            bytemuck::cast_slice::<S::f64s, f64>(sums).iter().all(|sum| *sum == 0.0)
+        };
+        let same = zero(&self.chain.room.values) && zero(&self.chain.room.turns);
+        self.take_with_response(!same)
     }
 
     fn arrive(&mut self) {
@@ -138,18 +140,23 @@ impl<S: Simd> SimdBatch<S> {
     }
 
     /// Takes the increments of the last linearisation together with those that the change of the
-    /// impulses in the workspace causes. Returns the largest increment of each lane, rad.
-    fn take_with_response(&mut self) -> [f64; LANES] {
-        struct Advance<'a, S: Simd>(&'a mut SimdBatch<S>);
+    /// impulses in the workspace causes, if there is a `change`. Returns the largest increment of
+    /// each lane, rad.
+    fn take_with_response(&mut self, change: bool) -> [f64; LANES] {
+        struct Advance<'a, S: Simd>(&'a mut SimdBatch<S>, bool);
         impl<S: Simd> NullaryFnOnce for Advance<'_, S> {
             type Output = [f64; LANES];
             #[inline(always)]
             fn call(self) -> [f64; LANES] {
                 let pack = self.0;
                 let stage = pack.stage(&pack.last_dt, pack.problem);
-                pack.recall_directors();
-                pack.solve_increments(&stage);
-                pack.add_solution();
+                if !pack.holds {
+                    pack.recall_directors();
+                }
+                if self.1 {
+                    pack.solve_increments(&stage);
+                    pack.add_solution();
+                }
                 let turns = pack.take_step();
                 // Only where a root is held do positions follow from rotations alone.
                 if pack.chain.ends.any_root_free || pack.chain.supports.is_some() {
@@ -161,7 +168,7 @@ impl<S: Simd> SimdBatch<S> {
                 turns
             }
         }
-        self.chain.simd.vectorize(Advance(self))
+        self.chain.simd.vectorize(Advance(self, change))
     }
 
     /// Adds the solution in the workspace to the increments of the last linearisation.

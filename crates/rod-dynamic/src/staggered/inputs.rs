@@ -10,6 +10,7 @@ use crate::support::Restraints;
 use crate::{End, EndSupport, Impulses, Instant, Load, Restraint, Rod, RodState};
 use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
 use pulp::Simd;
+use pulp::bytemuck::Zeroable;
 use rapunzel_fiber::so3;
 
 const ZERO: Vector3<f64> = Vector3::new(0.0, 0.0, 0.0);
@@ -34,9 +35,9 @@ pub(super) trait BatchInputs {
     /// Sets the spring that holds a node until it is set again: its stiffness, N/m, and the place
     /// that it pulls to, m, world.
     fn set_node_spring(&mut self, lane: usize, node: usize, stiffness: f64, place: &Vector3<f64>);
-    /// Sets the impulses on the lane at the start of the step; starting a new step clears them. A
-    /// support takes up the impulse on the end that it holds.
-    fn set_impulses(&mut self, lane: usize, impulses: Impulses);
+    /// Sets the impulses on all lanes that have one of the `fibers`, at the start of the step;
+    /// starting a new step clears them. A support takes up the impulse on the end that it holds.
+    fn set_impulses(&mut self, fibers: usize, impulses: Impulses);
 }
 
 impl<S: Simd> BatchInputs for SimdBatch<S> {
@@ -145,7 +146,26 @@ impl<S: Simd> BatchInputs for SimdBatch<S> {
         }
     }
 
-    fn set_impulses(&mut self, lane: usize, impulses: Impulses) {
+    fn set_impulses(&mut self, fibers: usize, impulses: Impulses) {
+        if impulses.nodes.is_empty() {
+            self.clear_impulses();
+        } else {
+            for lane in 0..fibers {
+                self.set_lane_impulses(lane, impulses.of_fiber(lane, self.chain.n));
+            }
+        }
+    }
+}
+
+impl<S: Simd> SimdBatch<S> {
+    /// Takes all impulses off.
+    pub(super) fn clear_impulses(&mut self) {
+        self.impulses.fill(S::f64s::zeroed());
+        self.moments.clear();
+        self.absorbed = [[S::f64s::zeroed(); 3]; 2];
+    }
+
+    fn set_lane_impulses(&mut self, lane: usize, impulses: Impulses) {
         let Impulses { nodes, segments } = impulses;
         if !segments.is_empty() {
             array::fit::<S>(&mut self.moments, 3 * segments.len());
@@ -167,9 +187,7 @@ impl<S: Simd> BatchInputs for SimdBatch<S> {
             }
         }
     }
-}
 
-impl<S: Simd> SimdBatch<S> {
     /// Sets the supports of the ends of one lane, and where the frame of a supported end starts: as
     /// it lies on the half segment at that end, but for what is held.
     fn set_supports(&mut self, lane: usize, now: &Instant) {

@@ -6,7 +6,6 @@ use super::ends::Ends;
 use super::history::KinematicHistory;
 use super::simd_batch::SimdBatch;
 use pulp::Simd;
-use pulp::bytemuck::Zeroable;
 use rapunzel_lanes::LANES;
 
 /// Saving and restoring of a batch: the numbers of its state, and the start of the step under way.
@@ -60,9 +59,7 @@ impl<S: Simd> BatchMemory for SimdBatch<S> {
         self.before.phi = zeros::<S>(0);
         self.before.ends = self.chain.ends;
         self.chain.laws.iter_mut().for_each(|laws| laws.remember());
-        self.impulses.fill(S::f64s::zeroed());
-        self.moments.clear();
-        self.absorbed = [[S::f64s::zeroed(); 3]; 2];
+        self.clear_impulses();
         self.weighted.take_if(|weighted| !std::mem::take(&mut weighted.used));
     }
 

@@ -33,36 +33,43 @@ impl StaggeredBatch {
         Ok(())
     }
 
-    /// Writes velocities of all nodes, m/s, world: into one slice for each fibre.
+    /// Writes velocities of all nodes, or of `some` of each fibre, m/s, world: into one slice for
+    /// each fibre, which stays as it was where others are.
     ///
     /// # Errors
     /// [`RodError::Invalid`] if no step is under way, [`RodError::Length`] for slices that are not
-    /// as many as fibres, or not as long as nodes.
+    /// as many as fibres, or not as long as nodes, and for nodes that are not there.
     pub fn velocities(
         &self,
         which: StepVelocity,
+        some: Option<&[usize]>,
         velocities: &mut [&mut [Vector3<f64>]],
     ) -> Result<(), RodError> {
         self.check_step()?;
         let nodes = self.rods()[0].fiber.segments() + 1;
         self.check_slices("velocities", nodes, velocities)?;
-        self.engine.velocities(which, self.predicted, velocities);
+        check_some("nodes", nodes, some)?;
+        self.engine.velocities(which, self.predicted, some, velocities);
         Ok(())
     }
 
-    /// Writes angular velocities of all segments, rad/s, world: into one slice for each fibre.
+    /// Writes angular velocities of all segments, or of `some` of each fibre, rad/s, world: into
+    /// one slice for each fibre, which stays as it was where others are.
     ///
     /// # Errors
     /// [`RodError::Invalid`] if no step is under way, [`RodError::Length`] for slices that are not
-    /// as many as fibres, or not as long as segments.
+    /// as many as fibres, or not as long as segments, and for segments that are not there.
     pub fn spins(
         &self,
         which: StepVelocity,
+        some: Option<&[usize]>,
         spins: &mut [&mut [Vector3<f64>]],
     ) -> Result<(), RodError> {
         self.check_step()?;
-        self.check_slices("spins", self.rods()[0].fiber.segments(), spins)?;
-        self.engine.spins(which, self.predicted, spins);
+        let segments = self.rods()[0].fiber.segments();
+        self.check_slices("spins", segments, spins)?;
+        check_some("segments", segments, some)?;
+        self.engine.spins(which, self.predicted, some, spins);
         Ok(())
     }
 
@@ -75,4 +82,9 @@ impl StaggeredBatch {
         check(what, self.rods().len(), slices.len())?;
         slices.iter().try_for_each(|own| check(what, expected, own.len()))
     }
+}
+
+fn check_some(what: &'static str, count: usize, some: Option<&[usize]>) -> Result<(), RodError> {
+    let past = some.into_iter().flatten().find(|&&i| i >= count);
+    past.map_or(Ok(()), |&found| Err(RodError::Length { what, expected: count, found: found + 1 }))
 }

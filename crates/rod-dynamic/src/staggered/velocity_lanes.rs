@@ -38,10 +38,23 @@ pub(super) trait BatchVelocities {
     fn start_positions(&self, positions: &mut [&mut [Point3<f64>]]);
     /// Writes the positions of all nodes where the step has been solved to, m, world.
     fn end_positions(&self, positions: &mut [&mut [Point3<f64>]]);
-    /// Writes velocities of all nodes in a step of `dt` seconds, m/s, world.
-    fn velocities(&self, which: StepVelocity, dt: f64, velocities: &mut [&mut [Vector3<f64>]]);
-    /// Writes angular velocities of all segments in a step of `dt` seconds, rad/s, world.
-    fn spins(&self, which: StepVelocity, dt: f64, spins: &mut [&mut [Vector3<f64>]]);
+    /// Writes velocities of all nodes, or of some, in a step of `dt` seconds, m/s, world.
+    fn velocities(
+        &self,
+        which: StepVelocity,
+        dt: f64,
+        some: Option<&[usize]>,
+        velocities: &mut [&mut [Vector3<f64>]],
+    );
+    /// Writes angular velocities of all segments, or of some, in a step of `dt` seconds, rad/s,
+    /// world.
+    fn spins(
+        &self,
+        which: StepVelocity,
+        dt: f64,
+        some: Option<&[usize]>,
+        spins: &mut [&mut [Vector3<f64>]],
+    );
     /// Displacement of a node in the step with the increments of the last linearisation, to first
     /// order, m, world.
     fn linear_displacement(&self, lane: usize, node: usize) -> Vector3<f64>;
@@ -49,15 +62,21 @@ pub(super) trait BatchVelocities {
 
 impl<S: Simd> BatchVelocities for SimdBatch<S> {
     fn start_positions(&self, positions: &mut [&mut [Point3<f64>]]) {
-        self.read(Quantity::Start, 1.0, positions);
+        self.read(Quantity::Start, 1.0, None, positions);
     }
 
     fn end_positions(&self, positions: &mut [&mut [Point3<f64>]]) {
-        self.read(Quantity::End, 1.0, positions);
+        self.read(Quantity::End, 1.0, None, positions);
     }
 
-    fn velocities(&self, which: StepVelocity, dt: f64, velocities: &mut [&mut [Vector3<f64>]]) {
-        self.read(Quantity::Velocity(which), dt, velocities);
+    fn velocities(
+        &self,
+        which: StepVelocity,
+        dt: f64,
+        some: Option<&[usize]>,
+        velocities: &mut [&mut [Vector3<f64>]],
+    ) {
+        self.read(Quantity::Velocity(which), dt, some, velocities);
         if self.chain.supports.is_some() && which == StepVelocity::Linear {
             for (lane, own) in velocities.iter_mut().enumerate() {
                 for a in [0, self.chain.n] {
@@ -67,8 +86,14 @@ impl<S: Simd> BatchVelocities for SimdBatch<S> {
         }
     }
 
-    fn spins(&self, which: StepVelocity, dt: f64, spins: &mut [&mut [Vector3<f64>]]) {
-        self.read(Quantity::Spin(which), dt, spins);
+    fn spins(
+        &self,
+        which: StepVelocity,
+        dt: f64,
+        some: Option<&[usize]>,
+        spins: &mut [&mut [Vector3<f64>]],
+    ) {
+        self.read(Quantity::Spin(which), dt, some, spins);
     }
 
     fn linear_displacement(&self, lane: usize, node: usize) -> Vector3<f64> {
@@ -93,31 +118,51 @@ impl<S: Simd> BatchVelocities for SimdBatch<S> {
 }
 
 impl<S: Simd> SimdBatch<S> {
-    /// Writes a quantity of every node or segment, of a step of `dt` seconds.
-    fn read<T: From<[f64; 3]>>(&self, quantity: Quantity, dt: f64, out: &mut [&mut [T]]) {
-        struct Read<'a, 'b, S: Simd, T>(&'a SimdBatch<S>, Quantity, f64, &'a mut [&'b mut [T]]);
+    /// Writes a quantity of every node or segment, or of some, of a step of `dt` seconds.
+    fn read<T: From<[f64; 3]>>(
+        &self,
+        quantity: Quantity,
+        dt: f64,
+        some: Option<&[usize]>,
+        out: &mut [&mut [T]],
+    ) {
+        struct Read<'a, 'b, S: Simd, T> {
+            pack: &'a SimdBatch<S>,
+            quantity: Quantity,
+            dt: f64,
+            some: Option<&'a [usize]>,
+            out: &'a mut [&'b mut [T]],
+        }
+        impl<S: Simd, T: From<[f64; 3]>> Read<'_, '_, S, T> {
+            #[inline(always)]
+            fn one(&mut self, i: usize, rate: Lane<S>) {
+                let pack = self.pack;
+                let V3(read) = match self.quantity {
+                    Quantity::Start => pack.chain.vec(&pack.r, i),
+                    Quantity::End => pack.chain.vec(&pack.chain.kept.r, i),
+                    Quantity::Velocity(which) => pack.node_velocity(which, i, rate),
+                    Quantity::Spin(which) => pack.segment_spin(which, i, rate),
+                };
+                for (lane, own) in self.out.iter_mut().enumerate() {
+                    own[i] = [get(read[0], lane), get(read[1], lane), get(read[2], lane)].into();
+                }
+            }
+        }
         impl<S: Simd, T: From<[f64; 3]>> NullaryFnOnce for Read<'_, '_, S, T> {
             type Output = ();
             #[inline(always)]
-            fn call(self) {
-                let Self(pack, quantity, dt, out) = self;
-                let count = out.first().map_or(0, |own| own.len());
-                let rate = Lane::splat(pack.chain.simd, dt.recip());
-                for i in 0..count {
-                    let V3(read) = match quantity {
-                        Quantity::Start => pack.chain.vec(&pack.r, i),
-                        Quantity::End => pack.chain.vec(&pack.chain.kept.r, i),
-                        Quantity::Velocity(which) => pack.node_velocity(which, i, rate),
-                        Quantity::Spin(which) => pack.segment_spin(which, i, rate),
-                    };
-                    for (lane, own) in out.iter_mut().enumerate() {
-                        own[i] =
-                            [get(read[0], lane), get(read[1], lane), get(read[2], lane)].into();
+            fn call(mut self) {
+                let rate = Lane::splat(self.pack.chain.simd, self.dt.recip());
+                match self.some {
+                    Some(some) => some.iter().for_each(|&i| self.one(i, rate)),
+                    None => {
+                        let count = self.out.first().map_or(0, |own| own.len());
+                        (0..count).for_each(|i| self.one(i, rate));
                     }
                 }
             }
         }
-        self.chain.simd.vectorize(Read(self, quantity, dt, out));
+        self.chain.simd.vectorize(Read { pack: self, quantity, dt, some, out });
     }
 
     /// Velocity of node `a` in a step, by what is 1 over its length; at supported ends without what

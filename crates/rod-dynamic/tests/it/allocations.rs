@@ -52,7 +52,7 @@ fn warm_steps_do_not_allocate() {
             let per_fiber = velocities.chunks_mut(nodes / fibers);
             own.iter_mut().zip(per_fiber).for_each(|(own, part)| *own = part);
             for which in [StepVelocity::Linear, StepVelocity::Mean] {
-                batch.velocities(which, &mut own[..fibers]).expect("lengths");
+                batch.velocities(which, None, &mut own[..fibers]).expect("lengths");
             }
             batch.respond(&impulses, &mut velocities).expect("lengths");
             batch.diagonal_blocks(&mut blocks, &mut turns).expect("lengths");

@@ -98,7 +98,7 @@ fn the_response_beside_the_axis_is_the_derivative_of_a_step() {
         let w = matrix(&mut batch, false);
         // A rotation vector and an increment after it add up but for half of their product.
         let mut spins = [Vector3::zeros(); SEGMENTS];
-        batch.spins(StepVelocity::Mean, &mut [&mut spins]).expect("lengths");
+        batch.spins(StepVelocity::Mean, None, &mut [&mut spins]).expect("lengths");
         let turn = DT * spins.iter().map(|spin| spin.norm()).fold(0.0, f64::max);
         assert!(turn < 0.02, "{turn} rad");
         for (pushed, point) in points().iter().enumerate() {
@@ -119,8 +119,8 @@ fn the_response_beside_the_axis_is_the_derivative_of_a_step() {
                     batch.restore(&start).expect("own numbers");
                     set_out_and_solve(&mut batch, DT, &[&hold as &dyn Conditions], all)
                         .expect("a step");
-                    batch.velocities(StepVelocity::Mean, &mut [&mut nodes]).expect("lengths");
-                    batch.spins(StepVelocity::Mean, &mut [&mut segments]).expect("lengths");
+                    batch.velocities(StepVelocity::Mean, None, &mut [&mut nodes]).expect("lengths");
+                    batch.spins(StepVelocity::Mean, None, &mut [&mut segments]).expect("lengths");
                     end.extend(points().iter().map(|point| {
                         let segment = point.segment as usize;
                         nodes[segment].lerp(&nodes[segment + 1], point.fraction)

@@ -78,7 +78,7 @@ fn matrix_by(batch: &mut StaggeredBatch, weighted: bool) -> DMatrix<f64> {
 /// Reads velocities of all nodes, fibre by fibre.
 fn read(batch: &StaggeredBatch, which: StepVelocity, velocities: &mut [Vector3<f64>]) {
     let mut own: Vec<_> = velocities.chunks_mut(NODES).collect();
-    batch.velocities(which, &mut own).expect("lengths");
+    batch.velocities(which, None, &mut own).expect("lengths");
 }
 
 #[test]
@@ -165,8 +165,8 @@ fn a_step_starts_from_the_state() {
         read(&batch, StepVelocity::Start, &mut velocities);
         let mut spins = vec![Vector3::zeros(); 3 * SEGMENTS];
         let mut own: Vec<_> = spins.chunks_mut(SEGMENTS).collect();
-        batch.spins(StepVelocity::Start, &mut own).expect("lengths");
-        batch.spins(StepVelocity::Start, &mut own[..2]).expect_err("one for each fibre");
+        batch.spins(StepVelocity::Start, None, &mut own).expect("lengths");
+        batch.spins(StepVelocity::Start, None, &mut own[..2]).expect_err("one for each fibre");
         assert!(velocities.iter().any(|v| v.norm() > 1e-3) && spins.iter().any(|w| w.norm() > 0.1));
         for (fiber, state) in states.iter().enumerate() {
             assert_eq!(state.positions, positions[fiber * NODES..][..NODES]);
@@ -186,7 +186,7 @@ fn a_step_without_impulses_is_a_step() {
     let (mut batch, start) = falling(1, dt);
     let (hold, mut reports) = (hold(), [RodStepReport::default()]);
     let mut mean = vec![Vector3::zeros(); NODES];
-    batch.velocities(StepVelocity::Mean, &mut [&mut mean]).expect("lengths");
+    batch.velocities(StepVelocity::Mean, None, &mut [&mut mean]).expect("lengths");
     batch.accept();
     let accepted = batch.state(0);
     batch.restore(&start).expect("own numbers");

@@ -151,7 +151,7 @@ proptest! {
         let all = Impulses { nodes: &nodes, segments: &moments };
         set_out_and_solve(&mut batch, DT, &conditions, all).expect("a step");
         let mut mean = [Vector3::zeros(); SEGMENTS];
-        batch.spins(StepVelocity::Mean, &mut [&mut mean]).expect("lengths");
+        batch.spins(StepVelocity::Mean, None, &mut [&mut mean]).expect("lengths");
         batch.accept();
         let mut reports = [RodStepReport::default()];
         for _ in 0..20 {

@@ -11,6 +11,7 @@ use super::ball_joints::JointPoint;
 use super::group_body::{DelassusCache, GroupBody};
 use super::laws::ContactLaws;
 use super::node_arrays::FiberVelocities;
+use super::touched_parts::TouchedParts;
 use super::velocities::Velocities;
 use crate::contact::system::CoupledSystem;
 use crate::contact_point::{ContactImpulse, ContactPoint};
@@ -49,6 +50,8 @@ pub(super) struct ContactProblem {
     points: Vec<ContactPoint>,
     /// How many of them are listed: all that follow are joints.
     listed: usize,
+    /// What they touch, unless that is looked at whole.
+    touched: Option<TouchedParts>,
     laws: Vec<ContactParameters>,
     /// Impulses, N s, in the frames of the contacts.
     impulses: Vec<Vector3<f64>>,
@@ -82,12 +85,12 @@ pub(super) struct ProblemWorkspace {
 
 impl ContactProblem {
     /// The contacts of a step of `dt` seconds, whose contact points have their gaps where fibres
-    /// have the given mean velocities. What gives way has done so already under impulses as those
+    /// have the given mean velocities, of what they touch at least. What gives way has done so already under impulses as those
     /// of the step `before`, N s, world: along tangents only the rest of them moves it; along
     /// normals the gap tells. Joints close.
     pub(super) fn new(
         system: &CoupledSystem,
-        (mut points, joints): (Vec<ContactPoint>, Vec<JointPoint>),
+        (mut points, joints, touched): (Vec<ContactPoint>, Vec<JointPoint>, Option<TouchedParts>),
         mean: &FiberVelocities,
         dt: f64,
         laws: &ContactLaws,
@@ -98,7 +101,7 @@ impl ContactProblem {
         let turning = system.fibers.turning_parts();
         points.par_iter_mut().for_each(|point| point.act_on_axis_outside(&turning));
         let refused = Mutex::new(None::<(usize, ContactError)>);
-        let start = system.fibers.velocities(StepVelocity::Start);
+        let start = system.fibers.velocities(StepVelocity::Start, touched.as_ref());
         let (first, mean) = (Velocities::before(system, &start), Velocities::new(system, mean));
         let nodes = mean.nodes();
         let law = |(i, point): (usize, &ContactPoint)| {
@@ -172,6 +175,7 @@ impl ContactProblem {
         Ok(Self {
             points,
             listed,
+            touched,
             laws: own,
             impulses,
             before,
@@ -190,6 +194,15 @@ impl ContactProblem {
     pub(super) fn into_parts(mut self) -> (Vec<ContactPoint>, ProblemWorkspace) {
         self.points.truncate(self.listed);
         (self.points, ProblemWorkspace { laws: self.laws, solved: self.solved })
+    }
+
+    /// Velocities of the step under way of what the contact points touch.
+    pub(super) fn velocities(
+        &self,
+        system: &CoupledSystem,
+        which: StepVelocity,
+    ) -> FiberVelocities {
+        system.fibers.velocities(which, self.touched.as_ref())
     }
 
     /// The contact points, without joints.
@@ -251,16 +264,20 @@ impl ContactProblem {
     }
 
     /// Solves for the impulses, with the rods as they are linearised, or, as far as their answers
-    /// go, as they were when these were written out. Only contacts that bear something, pull or
-    /// would close, or did so before, are looked at: all others would do nothing but hold back the
-    /// solver. Those that this lets close take part the next time.
+    /// go, as they were when these were written out. Groups that are `still` have been solved as
+    /// they are. Only contacts that bear something, pull or would close, or did so before, are
+    /// looked at: all others would do nothing but hold back the solver. Those that this lets close
+    /// take part the next time.
     pub(super) fn solve(
         &mut self,
         system: &mut CoupledSystem,
         solver: &mut ContactSolver,
         patient: bool,
+        still: &[bool],
     ) -> Result<Report, ContactError> {
-        let fibers = system.fibers.velocities(StepVelocity::Linear);
+        let which =
+            |group: usize| [StepVelocity::Linear, StepVelocity::Mean][usize::from(still[group])];
+        let fibers = system.fibers.velocities_by_group(which, self.touched.as_ref());
         let linear = Velocities::new(system, &fibers);
         let near = self.look(system, &linear);
         let works = near

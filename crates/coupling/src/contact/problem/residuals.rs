@@ -41,7 +41,7 @@ impl ContactProblem {
     /// The contact that is farthest from the law in the substep that starts at `time`, s, where
     /// the rods are.
     pub(crate) fn worst(&self, system: &CoupledSystem, time: f64) -> Option<Unresolved> {
-        let mean = system.fibers.velocities(StepVelocity::Mean);
+        let mean = self.velocities(system, StepVelocity::Mean);
         let mean = Velocities::new(system, &mean);
         let wrong = |i: usize| {
             let (contact, velocity, impulse, ErrorMasses { own, moved }) = self.judged(i, &mean);

@@ -30,7 +30,7 @@ impl ContactProblem {
         step: TimeInterval,
         length: f64,
     ) {
-        let start = system.fibers.velocities(StepVelocity::Start);
+        let start = self.velocities(system, StepVelocity::Start);
         let (start, mean) = (Velocities::before(system, &start), Velocities::new(system, mean));
         let led: Vec<_> = system.objects.iter().map(|object| object.led_spin(step)).collect();
         let bearing: Vec<usize> = self
