@@ -18,8 +18,8 @@ pub trait RodBatch: Send + Sync {
     /// # Errors
     /// [`RodError`] for a state of another rod.
     fn set_state(&mut self, lane: usize, state: &RodState) -> Result<(), RodError>;
-    /// The energy of the rod in a lane, J, in a gravity, m/s^2.
-    fn energy(&self, lane: usize, gravity: &Vector3<f64>) -> Energy;
+    /// The energies of the rods in all lanes, J, in a gravity, m/s^2; allocates.
+    fn energies(&self, gravity: &Vector3<f64>) -> Vec<Energy>;
     /// Sets the forces on all nodes of the rod in a lane, N, world.
     ///
     /// # Errors
@@ -76,8 +76,8 @@ impl RodBatch for StaggeredBatch {
         self.set_state(lane, state)
     }
 
-    fn energy(&self, lane: usize, gravity: &Vector3<f64>) -> Energy {
-        self.energy(lane, gravity)
+    fn energies(&self, gravity: &Vector3<f64>) -> Vec<Energy> {
+        self.energies(gravity)[..self.rods().len()].to_vec()
     }
 
     fn set_node_forces(&mut self, lane: usize, forces: &[Vector3<f64>]) -> Result<(), RodError> {
@@ -170,8 +170,8 @@ impl<I: RodIntegrator + Sync> RodBatch for Rods<I> {
         self.rods[lane].set_state(state)
     }
 
-    fn energy(&self, lane: usize, gravity: &Vector3<f64>) -> Energy {
-        self.rods[lane].energy(gravity)
+    fn energies(&self, gravity: &Vector3<f64>) -> Vec<Energy> {
+        self.rods.iter().map(|rod| rod.energy(gravity)).collect()
     }
 
     fn set_node_forces(&mut self, lane: usize, forces: &[Vector3<f64>]) -> Result<(), RodError> {

@@ -100,26 +100,26 @@ impl<B: RodBatch + ?Sized> Fibers<B> {
         (state.positions[node], state.velocities[node])
     }
 
-    /// Energy of a fibre, J, in a gravity, m/s^2.
+    /// Energy of a fibre, J, in a gravity, m/s^2. Costs one pass over the nodes of its group.
     ///
     /// # Panics
     /// If there is no such fibre, as indexing does.
     #[must_use]
     pub fn energy_of(&self, fiber: usize, gravity: &Vector3<f64>) -> Energy {
         let (group, lane) = self.lanes[fiber];
-        self.groups[group].batch.energy(lane, gravity)
+        self.groups[group].batch.energies(gravity)[lane]
     }
 
     /// Energy of all fibres, J, in a gravity, m/s^2. Costs one pass over all nodes.
     #[must_use]
     pub fn energy(&self, gravity: &Vector3<f64>) -> Energy {
+        let groups = self.groups.par_iter().map(|group| group.batch.energies(gravity));
+        let groups: Vec<_> = groups.collect();
         let mut sum = Energy::default();
-        for group in &self.groups {
-            for energy in (0..group.fibers.len()).map(|lane| group.batch.energy(lane, gravity)) {
-                sum.kinetic += energy.kinetic;
-                sum.elastic += energy.elastic;
-                sum.gravitational += energy.gravitational;
-            }
+        for energy in groups.into_iter().flatten() {
+            sum.kinetic += energy.kinetic;
+            sum.elastic += energy.elastic;
+            sum.gravitational += energy.gravitational;
         }
         sum
     }

@@ -150,7 +150,14 @@ impl StaggeredBatch {
     /// Energy of one fibre in the given gravity (m/s^2).
     #[must_use]
     pub fn energy(&self, fiber: usize, gravity: &Vector3<f64>) -> Energy {
-        self.engine.energy(fiber, gravity)
+        self.engine.energies(gravity)[fiber]
+    }
+
+    /// Energies of all fibres in the given gravity (m/s^2); zero beyond the last. Costs as much as
+    /// that of one.
+    #[must_use]
+    pub fn energies(&self, gravity: &Vector3<f64>) -> [Energy; Self::MAX_FIBERS] {
+        self.engine.energies(gravity)
     }
 
     /// Momentum of one fibre.

@@ -1,19 +1,20 @@
 //! Reading the state of one lane of a batch.
 
-use super::array::at;
+use super::array::{at, get};
 use super::simd_batch::SimdBatch;
 use crate::joint::Joint;
 use crate::{Energy, Momentum, Rod, RodState};
 use nalgebra::{Point3, Quaternion, Rotation3, UnitQuaternion, Vector3};
-use pulp::Simd;
 use pulp::bytemuck::Pod;
+use pulp::{NullaryFnOnce, Simd};
+use rapunzel_lanes::{LANES, Lane, Quat, V3};
 
 /// State and energy of a batch, one lane at a time.
 pub(super) trait BatchReadout {
     /// The lane's state; forces are the segment forces at the end of the last step.
     fn state(&self, lane: usize, rod: &Rod, time: f64) -> RodState;
-    /// The lane's energy in a field of gravity (m/s^2).
-    fn energy(&self, lane: usize, gravity: &Vector3<f64>) -> Energy;
+    /// The energies of all lanes in a field of gravity (m/s^2).
+    fn energies(&self, gravity: &Vector3<f64>) -> [Energy; LANES];
     /// The lane's momentum; a section spins as its directors, which carry its inertia.
     fn momentum(&self, lane: usize) -> Momentum;
     /// Position (m) and velocity (m/s) of a node, world frame.
@@ -57,31 +58,16 @@ impl<S: Simd> BatchReadout for SimdBatch<S> {
         }
     }
 
-    fn energy(&self, lane: usize, gravity: &Vector3<f64>) -> Energy {
-        let n = self.chain.n;
-        let [root, tip] = self.chain.ends.joined(lane);
-        let mut energy = Energy::default();
-        for a in 0..=n {
-            let mass = at(&self.chain.model.mass, a, lane);
-            energy.kinetic += 0.5 * mass * self.vector(&self.nodes.v, a, lane).norm_squared();
-            energy.gravitational -= mass * gravity.dot(&self.vector(&self.r, a, lane));
-            let joined = match a {
-                0 => root,
-                a if a == n => tip,
-                _ => true,
-            };
-            if joined {
-                energy.elastic += self.stored(lane, a, &self.strain(lane, a));
+    fn energies(&self, gravity: &Vector3<f64>) -> [Energy; LANES] {
+        struct Energies<'a, S: Simd>(&'a SimdBatch<S>, &'a Vector3<f64>);
+        impl<S: Simd> NullaryFnOnce for Energies<'_, S> {
+            type Output = [Energy; LANES];
+            #[inline(always)]
+            fn call(self) -> [Energy; LANES] {
+                self.0.energy_lanes(self.1)
             }
         }
-        for e in 0..n {
-            let frame = self.rotation(e, lane).to_rotation_matrix();
-            for (k, rate) in self.director_rates(e, lane, &frame).into_iter().enumerate() {
-                let inertia = at(&self.chain.model.inertia, 2 * e + k, lane);
-                energy.kinetic += 0.5 * inertia * rate.norm_squared();
-            }
-        }
-        energy
+        self.chain.simd.vectorize(Energies(self, gravity))
     }
 
     fn momentum(&self, lane: usize) -> Momentum {
@@ -128,6 +114,68 @@ impl<S: Simd> SimdBatch<S> {
 
     pub(super) fn rotation(&self, e: usize, lane: usize) -> UnitQuaternion<f64> {
         quaternion(&self.chain.q, e, lane)
+    }
+
+    /// Energies of all lanes in a field of gravity, m/s^2.
+    #[inline(always)]
+    fn energy_lanes(&self, gravity: &Vector3<f64>) -> [Energy; LANES] {
+        let (chain, model) = (&self.chain, &self.chain.model);
+        let zero = Lane::splat(chain.simd, 0.0);
+        let half = zero.lift(0.5);
+        let down = V3([0, 1, 2].map(|i| zero.lift(-gravity[i])));
+        let (mut kinetic, mut elastic, mut gravitational) = (zero, zero, zero);
+        for a in 0..=chain.n {
+            let mass = chain.one(&model.mass, a);
+            let v = chain.vec(&self.nodes.v, a);
+            kinetic = (mass * half).mul_add(v.dot(v), kinetic);
+            gravitational = mass.mul_add(down.dot(chain.vec(&self.r, a)), gravitational);
+            if chain.laws.is_none() {
+                let joined = match a {
+                    0 => Lane::new(chain.simd, chain.ends.root_joint),
+                    a if a == chain.n => Lane::new(chain.simd, chain.ends.tip_joint),
+                    _ => zero.lift(1.0),
+                };
+                let one = zero.lift(1.0);
+                let stiffening = chain.nozzle.as_ref().map_or(one, |n| chain.one(&n.stiffening, a));
+                let rest = chain.vec(&model.rest, a).scale(stiffening.recip());
+                let V3(strain) = chain.vec(&self.phi, a) - rest;
+                let V3(stiffness) = chain.vec(&model.stiffness, a);
+                let squares =
+                    (0..3).fold(zero, |sum, i| (strain[i] * strain[i]).mul_add(stiffness[i], sum));
+                elastic = (joined * stiffening * half).mul_add(squares, elastic);
+            }
+        }
+        for e in 0..chain.n {
+            let rates = [2 * e, 2 * e + 1].map(|i| chain.vec(&self.directors.v, i));
+            let mut squares = rates.map(|rate| rate.dot(rate));
+            if chain.spins {
+                // Of `director_rates`, whose parts are at right angles.
+                let [d1, d2, _] = Quat::load(chain.simd, &chain.q, e).directors();
+                let (axis, spin) = (rates[0], rates[1].0[0]);
+                squares = [d1, d2].map(|d| {
+                    let aside = axis.dot(d);
+                    aside.mul_add(aside, spin * spin)
+                });
+            }
+            for k in 0..2 {
+                let inertia = chain.one(&model.inertia, 2 * e + k);
+                kinetic = (inertia * half).mul_add(squares[k], kinetic);
+            }
+        }
+        let mut energies = [Energy::default(); LANES];
+        for (lane, energy) in energies.iter_mut().enumerate().take(S::F64_LANES) {
+            *energy = Energy {
+                kinetic: get(kinetic, lane),
+                elastic: get(elastic, lane),
+                gravitational: get(gravitational, lane),
+            };
+            if chain.laws.is_some() {
+                let [root, tip] = chain.ends.joined(lane);
+                let joints = usize::from(!root)..chain.n + usize::from(tip);
+                energy.elastic = joints.map(|j| self.stored(lane, j, &self.strain(lane, j))).sum();
+            }
+        }
+        energies
     }
 
     /// Angular velocity of segment `e`, world frame, with its material frame: half the sum of
