@@ -1,7 +1,7 @@
 //! Pairs that stay good for a while.
 
 use super::bounds::{Bounds, above, below};
-use super::way::{OneWay, Way, Ways};
+use super::way::{OneWay, SegmentWays, Way};
 use super::{NONE, Tree};
 use crate::capsules::length;
 use crate::narrow::{self, CapsuleContact, squared_distances};
@@ -131,7 +131,7 @@ impl Candidates {
             self.update(start)?;
         }
         let Some(list) = &mut self.list else { return Ok(Vec::new()) };
-        let mut ways = Ways::new(start, end, std::mem::take(&mut list.ways));
+        let mut ways = SegmentWays::new(start, end, std::mem::take(&mut list.ways));
         match list.way.astray(start, end) {
             None => list.set_out(start, end, &mut ways)?,
             Some(astray) if astray.nodes.is_empty() => (),
@@ -233,7 +233,7 @@ impl List {
         &mut self,
         start: &Capsules,
         end: &Capsules,
-        ways: &mut Ways,
+        ways: &mut SegmentWays,
     ) -> Result<(), CollisionError> {
         let both = start.positions().par_iter().zip(end.positions());
         let is_short = both.all(|(a, b)| SHORT * (b - a).norm() <= self.margin);

@@ -39,7 +39,7 @@ impl Way {
     pub(super) fn set_out(
         &mut self,
         [start, end]: [&Capsules; 2],
-        ways: &mut Ways,
+        ways: &mut SegmentWays,
         pairs: &[Pair],
         [reach, slack]: [f64; 2],
     ) {
@@ -57,7 +57,7 @@ impl Way {
     pub(super) fn set_out_among(
         &mut self,
         [start, end]: [&Capsules; 2],
-        ways: &mut Ways,
+        ways: &mut SegmentWays,
         tree: &mut Tree,
         [reach, slack]: [f64; 2],
     ) -> Result<(), CollisionError> {
@@ -99,7 +99,7 @@ impl Way {
         let end = Capsules::new(layout, &self.end, start.radii())?;
         tree.refit_swept(start, &end, 0.5 * reach)?;
         let mut found = Vec::new();
-        let ways = Ways::new(start, &end, Vec::new());
+        let ways = SegmentWays::new(start, &end, Vec::new());
         let near = sieve(&ways, reach);
         tree.sifted_pairs_of(&turned, |pairs| near(pairs), &mut found);
         self.all.retain(|(pair, _)| pair.iter().all(|&segment| !turned[segment as usize]));
@@ -125,7 +125,7 @@ impl Way {
     }
 
     /// Finds the pairs that may come within `reach`, m, of each other on their `ways`.
-    pub(super) fn go(&self, ways: &mut Ways, reach: f64) -> Vec<(Pair, f64)> {
+    pub(super) fn go(&self, ways: &mut SegmentWays, reach: f64) -> Vec<(Pair, f64)> {
         ways.expect(self.all.len());
         let ways = &*ways;
         let chunk = |pairs: &[(Pair, f64)]| {
@@ -143,7 +143,7 @@ impl Way {
 /// Those of some pairs that may come within `reach`, m, of each other on their ways, with their
 /// squared distances at the start, m².
 fn sieve<'a>(
-    ways: &'a Ways<'a>,
+    ways: &'a SegmentWays<'a>,
     reach: f64,
 ) -> impl Fn(&[Pair]) -> Vec<(Pair, f64)> + Sync + Send + 'a {
     move |pairs| {
@@ -166,13 +166,13 @@ pub(super) struct OneWay {
 
 /// The ways of all segments between two places: in a table where they are asked for often, else
 /// found each time.
-pub(super) struct Ways<'a> {
+pub(super) struct SegmentWays<'a> {
     start: &'a Capsules<'a>,
     end: &'a Capsules<'a>,
     table: Vec<OneWay>,
 }
 
-impl<'a> Ways<'a> {
+impl<'a> SegmentWays<'a> {
     /// The ways from `start` to `end`; `room` is what a table takes.
     pub(super) fn new(
         start: &'a Capsules<'a>,

@@ -5,7 +5,7 @@ use crate::contact_point::{BodyRef, ContactPoint};
 use rapunzel_rod_dynamic::StaggeredBatch;
 
 /// All fibres are looked at where there is a contact point for one in so many segments.
-const MANY: usize = 4;
+const CROWDED: usize = 4;
 
 /// The segments at which fibres have contact points, and their nodes: by group, ascending, those of
 /// any of its fibres.
@@ -18,7 +18,7 @@ impl TouchedParts {
     /// What some contact points touch; `None` where there are so many that to look at all fibres
     /// costs less.
     pub(super) fn new(fibers: &Fibers<StaggeredBatch>, points: &[ContactPoint]) -> Option<Self> {
-        if MANY * points.len() > fibers.assembly().layout().segments() {
+        if CROWDED * points.len() > fibers.assembly().layout().segments() {
             return None;
         }
         let mut segments = vec![Vec::new(); fibers.groups.len()];

@@ -126,8 +126,8 @@ impl Kernel for SinglePairs<'_> {
 }
 
 /// Adds the sums of `points` at a register of targets, without what the rounding of coordinates
-/// leaves unless `FINE`, in units of [`double_rsqrt`](Roots::double_rsqrt). Returns the least square
-/// of a distance, infinite for no points.
+/// leaves unless `FINE`, in units of [`double_rsqrt`](Roots::double_rsqrt). Returns the least
+/// square of a distance, infinite for no points, and not found if `FINE`.
 #[inline(always)]
 fn add_points<S: Simd, R: Roots<S, f32>, const FINE: bool>(
     simd: S,

@@ -59,15 +59,15 @@ impl<S: Simd> BatchReadout for SimdBatch<S> {
     }
 
     fn energies(&self, gravity: &Vector3<f64>) -> [Energy; LANES] {
-        struct Energies<'a, S: Simd>(&'a SimdBatch<S>, &'a Vector3<f64>);
-        impl<S: Simd> NullaryFnOnce for Energies<'_, S> {
+        struct EnergyPass<'a, S: Simd>(&'a SimdBatch<S>, &'a Vector3<f64>);
+        impl<S: Simd> NullaryFnOnce for EnergyPass<'_, S> {
             type Output = [Energy; LANES];
             #[inline(always)]
             fn call(self) -> [Energy; LANES] {
                 self.0.energy_lanes(self.1)
             }
         }
-        self.chain.simd.vectorize(Energies(self, gravity))
+        self.chain.simd.vectorize(EnergyPass(self, gravity))
     }
 
     fn momentum(&self, lane: usize) -> Momentum {

@@ -85,9 +85,9 @@ pub(super) struct ProblemWorkspace {
 
 impl ContactProblem {
     /// The contacts of a step of `dt` seconds, whose contact points have their gaps where fibres
-    /// have the given mean velocities, of what they touch at least. What gives way has done so already under impulses as those
-    /// of the step `before`, N s, world: along tangents only the rest of them moves it; along
-    /// normals the gap tells. Joints close.
+    /// have the given mean velocities, at least where they are touched. What gives way has done so
+    /// already under impulses as those of the step `before`, N s, world: along tangents only the
+    /// rest of them moves it; along normals the gap tells. Joints close.
     pub(super) fn new(
         system: &CoupledSystem,
         (mut points, joints, touched): (Vec<ContactPoint>, Vec<JointPoint>, Option<TouchedParts>),
