@@ -7,6 +7,8 @@
 
 #[path = "../../tests/it/belt.rs"]
 mod belt;
+mod coil;
+mod coiling;
 mod discrete;
 #[path = "../../tests/it/drum.rs"]
 mod drum;
@@ -21,7 +23,7 @@ use std::process::ExitCode;
 
 type Draw = fn() -> Fallible<Figure>;
 
-const PROTOCOLS: [FigureEntry<Draw>; 12] = [
+const PROTOCOLS: [FigureEntry<Draw>; 14] = [
     FigureEntry {
         number: "cantilever",
         title: "Cantilever under its weight (Romero et al. 2021)",
@@ -58,6 +60,11 @@ const PROTOCOLS: [FigureEntry<Draw>; 12] = [
         title: "Columns (Euler 1744, Greenhill 1881)",
         draw: stability::buckling,
     },
+    FigureEntry {
+        number: "bend-twist",
+        title: "A hanging curved rod leaves its plane (Romero et al. 2021)",
+        draw: stability::bend_twist,
+    },
     FigureEntry { number: "snap", title: "A leaning strip snaps at a fold", draw: stability::snap },
     FigureEntry {
         number: "ring",
@@ -70,14 +77,15 @@ const PROTOCOLS: [FigureEntry<Draw>; 12] = [
         title: "Stick and slip on a belt",
         draw: touching::stick_slip,
     },
+    FigureEntry {
+        number: "coiling",
+        title: "A rod that is fed onto a floor coils (Habibi, Ribe and Bonn 2007)",
+        draw: coiling::coiling,
+    },
 ];
 
 /// What is not run, and why.
-const NOT_RUN: [NotRun; 5] = [
-    NotRun {
-        title: "A hanging curved rod leaves its plane: bend-twist (Romero et al. 2021)",
-        why: "the branch in the plane is not followed to where it loses its stability yet",
-    },
+const NOT_RUN: [NotRun; 3] = [
     NotRun {
         title: "Stick-slip of a pressed strip (Romero et al. 2021)",
         why: "its master curve is not computed from theory yet; stick and slip on a belt stands in \
@@ -90,11 +98,6 @@ const NOT_RUN: [NotRun; 5] = [
     NotRun {
         title: "Plectonemes at constant tension",
         why: "their slope and link are not computed from theory yet; `contact/plectoneme` shows one",
-    },
-    NotRun {
-        title: "Coiling: radius and frequency against height",
-        why: "rods are fed and coil, see `contact/coiling`, but have not been measured against the \
-              steady coil yet",
     },
 ];
 
