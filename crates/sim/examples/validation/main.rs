@@ -12,6 +12,7 @@ mod coiling;
 mod discrete;
 #[path = "../../tests/it/drum.rs"]
 mod drum;
+mod knot;
 mod planar;
 mod spatial;
 mod stability;
@@ -23,7 +24,7 @@ use std::process::ExitCode;
 
 type Draw = fn() -> Fallible<Figure>;
 
-const PROTOCOLS: [FigureEntry<Draw>; 14] = [
+const PROTOCOLS: [FigureEntry<Draw>; 15] = [
     FigureEntry {
         number: "cantilever",
         title: "Cantilever under its weight (Romero et al. 2021)",
@@ -78,6 +79,11 @@ const PROTOCOLS: [FigureEntry<Draw>; 14] = [
         draw: touching::stick_slip,
     },
     FigureEntry {
+        number: "knot",
+        title: "The friction of an overhand knot (Audoly, Clauvelin and Neukirch 2007)",
+        draw: knot::overhand,
+    },
+    FigureEntry {
         number: "coiling",
         title: "A rod that is fed onto a floor coils (Habibi, Ribe and Bonn 2007)",
         draw: coiling::coiling,
@@ -85,15 +91,11 @@ const PROTOCOLS: [FigureEntry<Draw>; 14] = [
 ];
 
 /// What is not run, and why.
-const NOT_RUN: [NotRun; 3] = [
+const NOT_RUN: [NotRun; 2] = [
     NotRun {
         title: "Stick-slip of a pressed strip (Romero et al. 2021)",
         why: "its master curve is not computed from theory yet; stick and slip on a belt stands in \
               its place",
-    },
-    NotRun {
-        title: "The overhand knot's friction, 0.492 (Audoly, Clauvelin and Neukirch 2007)",
-        why: "it is one of steady sliding, for which a knot must be drawn for long",
     },
     NotRun {
         title: "Plectonemes at constant tension",
