@@ -155,8 +155,8 @@ proptest! {
 }
 
 /// A pull on the end that the own weight takes over half way: the rod bends sharply far from what
-/// holds or loads it, where its segments are long. From segments alone Newton's method did not reach
-/// it, and all starts were tried in vain for minutes.
+/// holds or loads it, where its segments are long. From segments alone Newton's method did not
+/// reach it, and all starts were tried in vain for minutes.
 #[test]
 fn a_bend_far_from_the_ends_is_found() {
     let load = Vector3::new(-699_639.8, 558_193.3, 58_527.8);

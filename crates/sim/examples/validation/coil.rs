@@ -4,9 +4,9 @@
 //! Lengths are in `(B / rho A g)^(1/3)`, forces in the weight of such a length. From the mouth on,
 //! at the height `H`, `r' = t`, `t' = M x t`, `n' = z + F (t' + 2 W z x t - W^2 r_h)`,
 //! `M' = n x t`, with `W = -1 / R`, since what is laid down stays where it is while the place where
-//! the rod touches down runs back along it, and `F = U^2 / g` in these lengths. Where the rod touches
-//! down it goes along the circle of the radius `R` with its curvature. Material that leaves a mouth
-//! that does not turn and lies down without rolling is twisted by one turn in each coil,
+//! the rod touches down runs back along it, and `F = U^2 / g` in these lengths. Where the rod
+//! touches down it goes along the circle of the radius `R` with its curvature. Material that leaves
+//! a mouth that does not turn and lies down without rolling is twisted by one turn in each coil,
 //! `M t = (C / B) / R` (see Mahadevan and Keller 1996, and Habibi, Ribe and Bonn 2007).
 
 use nalgebra::{DMatrix, DVector, Vector3};

@@ -1,14 +1,14 @@
 //! The overhand knot's friction.
 //!
-//! In a loose knot two strands wind about each other where they touch. They are weakly bent, and the
-//! vector between them is, in units of the diameter `2 h` and along the length in `sqrt(2 h R)`
+//! In a loose knot two strands wind about each other where they touch. They are weakly bent, and
+//! the vector between them is, in units of the diameter `2 h` and along the length in `sqrt(2 h R)`
 //! with the radius `R` of the loop, a plane curve `v` that stays out of the unit circle and makes
 //! `|v''|^2` least. Far to one side one strand is straight and the other one the loop, far to the
-//! other side it is the other way round: `v''` is a unit vector there and its opposite here, and `v`
-//! winds by three half turns between. All contact forces together are `P = s B / sqrt(h R^3)`, with
-//! `s` the integral of `|v''''|` over `2^(3/2)`. Of a knot that is drawn tight by `d` the pull works
-//! against the loop, `B d / 2 R^2`, and against friction, `mu P d`: so `s` is what the friction of a
-//! knot goes with, 0.492 (Audoly, Clauvelin and Neukirch 2007).
+//! other side it is the other way round: `v''` is a unit vector there and its opposite here, and
+//! `v` winds by three half turns between. All contact forces together are `P = s B / sqrt(h R^3)`,
+//! with `s` the integral of `|v''''|` over `2^(3/2)`. Of a knot that is drawn tight by `d` the pull
+//! works against the loop, `B d / 2 R^2`, and against friction, `mu P d`: so `s` is what the
+//! friction of a knot goes with, 0.492 (Audoly, Clauvelin and Neukirch 2007).
 
 use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
 use rapunzel_repro::plot::{Chart, Curve, Drawing};
@@ -102,9 +102,9 @@ fn settle(v: &mut DVector<f64>, h: f64, wall: f64) -> Fallible<f64> {
     Err("the winding does not come to rest".into())
 }
 
-/// Of a knot at rest with a loop of some 15 mm, without friction, whose pull tells the radius of the
-/// loop, `T = B / 2 R^2`: `sqrt(h / R)`, and the contact forces in `B / sqrt(h R^3)`. It settles in
-/// oil.
+/// Of a knot at rest with a loop of some 15 mm, without friction, whose pull tells the radius of
+/// the loop, `T = B / 2 R^2`: `sqrt(h / R)`, and the contact forces in `B / sqrt(h R^3)`. It
+/// settles in oil.
 fn rests(thickness: f64) -> Fallible<[f64; 2]> {
     let scene = Scene::from_ron(&format!(
         "(format: 1, duration: 1.0, fibers: [(

@@ -99,7 +99,8 @@ const NOT_RUN: [NotRun; 2] = [
     },
     NotRun {
         title: "Plectonemes at constant tension",
-        why: "their slope and link are not computed from theory yet; `contact/plectoneme` shows one",
+        why: "the moment and the slope of a ply are known, but a rod that writhes snaps into it over \
+              most of its length, which takes long; `contact/plectoneme` shows one",
     },
 ];
 

@@ -168,11 +168,11 @@ pub(crate) fn writhing_tension(moment: f64) -> f64 {
 ///
 /// In the plane it is the heavy elastica: with the angle from the vertical, `k = theta'` and the
 /// moment `m = k - natural`, it is `m' = w (1 - s) sin(theta)`, `m(1) = 0`. Each curvature at the
-/// clamp is that of one natural curvature. Rotations `b` about the normal in the plane and `c` about
-/// the tangent change the energy by
-/// `(b' - k c)^2 + C (c' + k b)^2 - m k (b^2 + c^2) - m (b c' - c b') + w (1 - s) (cos(theta) b^2 -
-/// sin(theta) b c)`, which can fall from where a field of extremals that starts at the clamp has a
-/// free end (Jacobi 1837).
+/// clamp is that of one natural curvature. Rotations `b` about the normal in the plane and `c`
+/// about the tangent change the energy by the sum of `(b' - k c)^2 + C (c' + k b)^2`, of
+/// `-m k (b^2 + c^2) - m (b c' - c b')`, and of `w (1 - s) (cos(theta) b^2 - sin(theta) b c)`,
+/// which can fall from where a field of extremals that starts at the clamp has a free end (Jacobi
+/// 1837).
 pub(crate) fn hanging_curl(weight: f64, torsion: f64) -> f64 {
     // The natural curvature, and the determinant of the moments of two extremals at the end.
     let natural = |k: f64| {
