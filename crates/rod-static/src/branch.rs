@@ -8,7 +8,7 @@ use crate::mode::LimitPoint;
 use crate::problem::Problem;
 use crate::shooting::{Effort, ParameterSlopes, Shooting, Variation, corrected, iterate, newton};
 use crate::step::ShootingNode;
-use nalgebra::{SVector, Vector3};
+use nalgebra::SVector;
 
 /// Change of the parameter for differences, in parts of the range.
 const DIFFERENCE: f64 = 1e-5;
@@ -97,16 +97,7 @@ impl Followed {
 
     /// The same point with each of its elements in two.
     pub(crate) fn halved(&self) -> Self {
-        let rod = &self.problem.rod;
-        let (mut elements, mut nodes) = (Vec::new(), Vec::new());
-        for (element, node) in self.elements.iter().zip(&self.nodes) {
-            let middle = 0.5 * (element.from + element.to);
-            let first = MeshElement { to: middle, end_load: Vector3::zeros(), ..*element };
-            let properties = rod.properties(element, 1.0);
-            nodes.extend([*node, node.step(element.from, middle, properties).node]);
-            elements.extend([first, MeshElement { from: middle, ..*element }]);
-        }
-        nodes.extend(self.nodes.last());
+        let (elements, nodes) = self.problem.rod.halved(&self.elements, &self.nodes, 1.0);
         Self { elements, nodes, parameter: self.parameter, problem: self.problem.clone() }
     }
 

@@ -179,6 +179,25 @@ impl Scaled {
         split.then_some((finer, more))
     }
 
+    /// Each of the elements in two, with a step of the integration between.
+    pub(crate) fn halved(
+        &self,
+        elements: &[MeshElement],
+        nodes: &[ShootingNode],
+        factor: f64,
+    ) -> (Vec<MeshElement>, Vec<ShootingNode>) {
+        let (mut halves, mut more) = (Vec::new(), Vec::new());
+        for (element, node) in elements.iter().zip(nodes) {
+            let middle = 0.5 * (element.from + element.to);
+            let first = MeshElement { to: middle, end_load: Vector3::zeros(), ..*element };
+            let properties = self.properties(element, factor);
+            more.extend([*node, node.step(element.from, middle, properties).node]);
+            halves.extend([first, MeshElement { from: middle, ..*element }]);
+        }
+        more.extend(nodes.last());
+        (halves, more)
+    }
+
     /// The elements of a rod `other` in this one, in the same parts of their pieces; `None` if the
     /// rods are not of the same number of pieces.
     pub(crate) fn elements_like(

@@ -24,6 +24,9 @@ const STIFF: f64 = 100.0;
 const HELD: usize = 4;
 /// Cost of a minimisation of the energy, in steps along its elements.
 const RELAX: usize = 10;
+/// How often the segments of a minimum of the energy are halved, at most, until Newton's method
+/// leads from it to the rod.
+const HALVINGS: usize = 3;
 /// Torques that twist the bent shapes to start from, in units of stiffness over length.
 const TWISTING: [f64; 3] = [0.0, 2.0, -2.0];
 
@@ -254,7 +257,8 @@ impl Problem {
     }
 
     /// The equilibrium near the minimum of the energy that the rod in segments reaches from
-    /// `nodes`, which meet the end condition. `None` also for a moment on the end, which has no
+    /// `nodes`, which meet the end condition. Where its segments are too long to lead Newton's
+    /// method to the rod, they are halved. `None` also for a moment on the end, which has no
     /// energy, and for rods in a joint at the root or on a line at the end.
     fn descend(
         &self,
@@ -262,6 +266,26 @@ impl Problem {
         nodes: &[ShootingNode],
         effort: &Effort,
     ) -> Option<Equilibrium> {
+        let mut elements = elements.to_vec();
+        let mut nodes = self.settled(&elements, nodes, effort)?;
+        for _ in 0..HALVINGS {
+            let found = self.continuation(effort).finish(elements.clone(), nodes.clone(), 1.0);
+            if found.is_some() {
+                return found;
+            }
+            (elements, nodes) = self.rod.halved(&elements, &nodes, 1.0);
+            nodes = self.settled(&elements, &nodes, effort)?;
+        }
+        self.continuation(effort).finish(elements, nodes, 1.0)
+    }
+
+    /// The nodes of the rod in segments at rest, by [`Problem::descend`].
+    fn settled(
+        &self,
+        elements: &[MeshElement],
+        nodes: &[ShootingNode],
+        effort: &Effort,
+    ) -> Option<Vec<ShootingNode>> {
         let rod = &self.rod;
         if self.root.hinged || self.goal.moment_on_end() != Vector3::zeros() {
             return None;
@@ -313,7 +337,7 @@ impl Problem {
             let load = rod.properties(element, 1.0)(middle).load * (element.to - element.from);
             nodes[i].n = nodes[i + 1].n + element.end_load + load;
         }
-        self.continuation(effort).finish(elements.to_vec(), nodes, 1.0)
+        Some(nodes)
     }
 
     /// Shapes to start from: the natural one, bent by the moment on the end, then, if that is not

@@ -153,3 +153,22 @@ proptest! {
         prop_assert!((tip.position.coords - exact).norm() < 1e-8, "{} {exact}", tip.position);
     }
 }
+
+/// A pull on the end that the own weight takes over half way: the rod bends sharply far from what
+/// holds or loads it, where its segments are long. From segments alone Newton's method did not
+/// reach it, and all starts were tried in vain for minutes.
+#[test]
+fn a_bend_far_from_the_ends_is_found() {
+    let load = Vector3::new(-699_639.8, 558_193.3, 58_527.8);
+    let bead = Vector3::new(-515.9, -737.3, -961.7);
+    let end = Vector3::new(329_512.9, -850_549.7, 157_642.6);
+    let (at, curvature) = (0.957_966, Vector3::new(3.148_5, 6.703_4, 1.598_3));
+    let pieces =
+        vec![piece(at, load, curvature).with_end_load(bead), piece(1.0 - at, load, curvature)];
+    let free = EndCondition::Free { force: end, moment: Vector3::zeros() };
+    let problem = Problem::new(&level(), pieces, free).expect("a problem");
+    let found = problem.solve().expect("an equilibrium");
+    let arcs = arcs(load.norm() + end.norm(), &[0.5, at]);
+    let missing = residual(&found, &arcs, curvature, load, &[(at, bead)], end);
+    assert!(found.is_stable() && missing < 1e-8, "{missing:e}");
+}

@@ -1,14 +1,16 @@
 //! Loads, turns and shapes at which rods lose their stability, by the branches of `rod-static`.
 
-use crate::theory::{columns, ring_twist, snap_thrust, upright_buckling};
+use crate::discrete::{self, frame, rests};
+use crate::theory::{columns, hanging_curl, ring_twist, snap_thrust, upright_buckling};
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use rapunzel_repro::plot::{Chart, Curve, Drawing};
 use rapunzel_repro::{ClaimCheck, Criterion, Fallible, Figure, check};
+use rapunzel_rod_dynamic::Instant;
 use rapunzel_rod_static::{
     Branch, EndCondition, EndHold, Equilibrium, ParameterSweep, Piece, Problem, Properties, State,
     StaticError,
 };
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 /// Relative error of a critical value: the mesh resolves its variation to order eight, and the
 /// singular value is known to a rounding.
@@ -114,6 +116,59 @@ pub(crate) fn ring() -> Fallible<Figure> {
         parameters: "clamped to itself; twist in rad",
         checks,
         drawings: vec![chart("A ring leaves its plane", "C / B", "twist, rad", points)],
+    })
+}
+
+/// Romero et al. 2021, protocol "bend-twist": a curved rod that hangs from a clamp, which points
+/// down, leaves its plane. Light or short ones stay in it however curved they are.
+pub(crate) fn bend_twist() -> Fallible<Figure> {
+    const TORSION: f64 = 2.0 / 3.0;
+    let stiffness = Vector3::new(1.0, 1.0, TORSION);
+    let mut checks = Vec::new();
+    let mut points = [Vec::new(), Vec::new()];
+    for weight in [30.0, 100.0, 1000.0] {
+        let problem = |curl: f64| {
+            let natural = Vector3::x() * curl;
+            let pieces = rod([1.0, 1.0, TORSION], natural, -weight * Vector3::z());
+            let clamp = Isometry3::rotation(Vector3::y() * PI);
+            Problem::new(&clamp, pieces, EndCondition::FREE)
+        };
+        let right = hanging_curl(weight, TORSION);
+        let from = 0.8 * right;
+        let found = limit(&problem, [from, 1.1 * right], &problem(from)?.solve()?)?;
+        checks.push(beside(
+            format!("natural curvature, weight {weight}"),
+            found,
+            right,
+            "Jacobi's condition along the heavy elastica",
+        ));
+        points[0].push([found, weight / found.powi(3)]);
+        points[1].push([right, weight / right.powi(3)]);
+    }
+    // What the rod in segments does on either side, bent aside a little.
+    let weight = 100.0;
+    let right = hanging_curl(weight, TORSION);
+    for (part, criterion) in [(0.97, Criterion::AtMost(0.01)), (1.03, Criterion::AtLeast(0.05))] {
+        let natural = Vector3::new(part * right, 1e-4, 0.0);
+        let root = frame(-Vector3::x(), -Vector3::z());
+        let rod = discrete::rod(root, (1.0, 100), |_| stiffness, natural, 1.0)?;
+        let conditions = Instant::clamped(*rod.fiber.root(), -weight * Vector3::z());
+        let state = rests(&rod, &conditions, None)?;
+        let aside = state.positions.iter().map(|p| p.x.abs()).fold(0.0, f64::max);
+        let name = format!("out of the plane, of 100 segments, at {part} of it, weight {weight}");
+        checks.push(check(name, aside, "", criterion, "in it below, out of it above"));
+    }
+    Ok(Figure {
+        scene: "a rod, curved by nature, hangs from a clamp that points down: where it leaves its \
+                plane",
+        parameters: "C / B = 2/3; weight in B / L^2, curvature in 1 / L",
+        checks,
+        drawings: vec![chart(
+            "A hanging curved rod leaves its plane",
+            "natural curvature times length",
+            "weight per length, in B k^3",
+            points,
+        )],
     })
 }
 

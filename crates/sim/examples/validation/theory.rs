@@ -163,6 +163,52 @@ pub(crate) fn writhing_tension(moment: f64) -> f64 {
     a * a - b * b
 }
 
+/// The natural curvature at which a hanging rod of length 1 leaves its plane, whose stiffness is 1
+/// against bending and `torsion` against torsion. Its clamp points down, its weight is `weight`.
+///
+/// In the plane it is the heavy elastica: with the angle from the vertical, `k = theta'` and the
+/// moment `m = k - natural`, it is `m' = w (1 - s) sin(theta)`, `m(1) = 0`. Each curvature at the
+/// clamp is that of one natural curvature. Rotations `b` about the normal in the plane and `c`
+/// about the tangent change the energy by the sum of `(b' - k c)^2 + C (c' + k b)^2`, of
+/// `-m k (b^2 + c^2) - m (b c' - c b')`, and of `w (1 - s) (cos(theta) b^2 - sin(theta) b c)`,
+/// which can fall from where a field of extremals that starts at the clamp has a free end (Jacobi
+/// 1837).
+pub(crate) fn hanging_curl(weight: f64, torsion: f64) -> f64 {
+    // The natural curvature, and the determinant of the moments of two extremals at the end.
+    let natural = |k: f64| {
+        let slope = |s: f64, y: &[f64; 2]| [y[1], weight * (1.0 - s) * y[0].sin()];
+        integrate([0.0, k], slope)[1]
+    };
+    let fields = |k: f64| {
+        let own = natural(k);
+        let slope = |s: f64, y: &[f64; 10]| {
+            let (k, m) = (y[1], y[1] - own);
+            let [along, across] = [y[0].cos(), y[0].sin()].map(|part| weight * (1.0 - s) * part);
+            let mut rates = [k, across, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+            for field in [2, 6] {
+                let [b, c, p, q] = [0, 1, 2, 3].map(|i| y[field + i]);
+                let bent = p + (k - 0.5 * m) * c;
+                let twisted = (q + 0.5 * m * b) / torsion - k * b;
+                let moment = torsion * (twisted + k * b);
+                rates[field] = bent;
+                rates[field + 1] = twisted;
+                rates[field + 2] =
+                    (moment - m * b) * k - 0.5 * (m * twisted + across * c) + along * b;
+                rates[field + 3] = 0.5 * (m * bent - across * b) - k * (bent - k * c) - m * k * c;
+            }
+            rates
+        };
+        let end = integrate([0.0, k, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0], slope);
+        end[4] * end[9] - end[5] * end[8]
+    };
+    // From a curl that is far too small.
+    let mut k = 1e-9 / natural(1e-9);
+    while fields(1.1 * k) > 0.0 {
+        k *= 1.1;
+    }
+    natural(zero(k, 1.1 * k, fields))
+}
+
 /// A localised helix of a rod with `B = C = 1` under the tension 1 and the twisting moment `m`,
 /// below 2: `1 - cos(theta) = (2 - m^2 / 2) sech^2(sqrt(1 - m^2 / 4) s)` (Coyne 1990; van der
 /// Heijden and Thompson 2000).
@@ -251,6 +297,9 @@ mod tests {
             "{}",
             writhing_tension(8.986_818_916)
         );
+        // Of long rods the weight per length is 0.2387 times the cube of the curvature.
+        let long = 1000.0 / hanging_curl(1000.0, 2.0 / 3.0).powi(3);
+        assert!((long - 0.2387).abs() < 2e-3, "{long}");
         let euler = -4.0 * std::f64::consts::PI.powi(2);
         assert!((writhing_tension(1e-6) - euler).abs() < 1e-6, "{}", writhing_tension(1e-6));
     }
