@@ -20,8 +20,8 @@ import { languageNow, quantity, setLanguage, word } from "./words.js";
 const $ = (id) => document.getElementById(id);
 const canvas = $("picture");
 const SIDES = ["front", "right", "back", "left", "top", "below"];
-// After so long, ms, the gallery has its pictures.
-const CALM = 1500;
+// After so long, ms, the gallery has its first pictures.
+const CALM = 800;
 const SIDEWAYS = { azimuth: 0.35, elevation: 0.15 };
 
 // What may be read by tests too.
