@@ -1,6 +1,6 @@
 use crate::arguments::NewOptions;
 use crate::failure::Failure;
-use crate::templates;
+use crate::templates::{self, Template};
 use crate::words::say;
 use rapunzel_sim::scene::style_from_ron;
 use rapunzel_sim::{Scene, write_atomically};
@@ -12,31 +12,20 @@ use std::process::ExitCode;
 /// Writes a scene, a case or a style that ships into a file, and beside it the files that it names.
 pub(crate) fn new(options: &NewOptions, json: bool) -> Result<ExitCode, Failure> {
     let name = &options.template;
-    let text = templates::text(name)
+    let Template { text, files } = templates::template(name)
         .ok_or_else(|| Failure::File(format!("there is no template {name}")))?;
-    let scene = Scene::from_ron(text).ok();
-    let verb = match &scene {
-        Some(_) => "run",
-        None if style_from_ron(text).is_ok() => "grow",
-        None => "solve",
+    let verb = match Scene::from_ron(&text) {
+        Ok(_) => "run",
+        Err(_) if style_from_ron(&text).is_ok() => "grow",
+        Err(_) => "solve",
     };
-    // It is copied here, not into a folder of its own.
-    let (folder, own) = name.rsplit_once('/').unwrap_or(("", name));
+    let own = name.rsplit_once('/').map_or(name.as_str(), |(_, own)| own);
     let path = options.file.clone().unwrap_or_else(|| PathBuf::from(format!("{own}.ron")));
-    let files: Vec<&Path> = scene.iter().flat_map(Scene::files).collect();
-    // What it names lies beside it, wherever it lies among the scenes that ship.
-    let named = |text: String, file: &&Path| match (file.to_str(), file.file_name()) {
-        (Some(old), Some(new)) => text.replace(old, &new.to_string_lossy()),
-        _ => text,
-    };
-    write(&path, &files.iter().fold(text.to_owned(), named), options.force)?;
+    write(&path, &text, options.force)?;
     let mut written = vec![path.clone()];
-    for file in files {
-        let beside = path.with_file_name(file.file_name().unwrap_or_default());
-        if let Some(text) = templates::text(&template_of(folder, file))
-            && !written.contains(&beside)
-            && (options.force || !beside.exists())
-        {
+    for (file, text) in files {
+        let beside = path.with_file_name(file);
+        if options.force || !beside.exists() {
             write(&beside, text, options.force)?;
             written.push(beside);
         }
@@ -50,19 +39,6 @@ pub(crate) fn new(options: &NewOptions, json: bool) -> Result<ExitCode, Failure>
         }
     }
     Ok(ExitCode::SUCCESS)
-}
-
-/// Name of the template that a scene in a folder of the templates names by a path.
-fn template_of(folder: &str, file: &Path) -> String {
-    let mut parts: Vec<String> = folder.split('/').map(str::to_owned).collect();
-    for part in file.with_extension("").iter() {
-        if part == ".." {
-            parts.pop();
-        } else {
-            parts.push(part.to_string_lossy().into_owned());
-        }
-    }
-    parts.join("/")
 }
 
 /// Writes a text into a new file, or by `force` into one that is there.

@@ -1,7 +1,7 @@
 use crate::arguments::ViewOptions;
 use crate::failure::{Failure, INTERRUPTED};
 use crate::run::{CANCEL, catch_interrupts, start_threads};
-use crate::templates;
+use crate::templates::{self, Template};
 use crate::words::say;
 use rapunzel_view::{GalleryScene, Options, Server, ViewError};
 use std::collections::hash_map::RandomState;
@@ -21,14 +21,17 @@ pub(crate) fn view(options: ViewOptions, json: bool) -> Result<ExitCode, Failure
         })?;
     }
     let token = (!listen.ip().is_loopback()).then(token);
-    let gallery = templates::scenes()
-        .map(|(name, text)| GalleryScene { name: name.to_owned(), text: text.to_owned() });
+    let shipped = |name: &&str| {
+        let Template { text, files } = templates::template(name)?;
+        let files = files.into_iter().map(|(name, text)| (name, text.to_owned())).collect();
+        Some(GalleryScene { name: (*name).to_owned(), text, files })
+    };
     let server = Server::listen(Options {
         address: listen,
         token,
         what,
         beside,
-        gallery: gallery.collect(),
+        gallery: templates::NAMES.iter().filter_map(shipped).collect(),
         folder: PathBuf::from("."),
         runs: run,
     });

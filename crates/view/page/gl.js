@@ -1,5 +1,11 @@
 // Programs of WebGL2.
 
+// What draws, as far as the browser tells.
+export function rendererOf(gl) {
+  const told = gl.getExtension("WEBGL_debug_renderer_info");
+  return String(gl.getParameter(told ? told.UNMASKED_RENDERER_WEBGL : gl.RENDERER));
+}
+
 export function build(gl, code) {
   const program = gl.createProgram();
   for (const [kind, text] of [[gl.VERTEX_SHADER, code.vertex], [gl.FRAGMENT_SHADER, code.fragment]]) {

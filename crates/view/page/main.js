@@ -20,21 +20,29 @@ import { languageNow, quantity, setLanguage, word } from "./words.js";
 const $ = (id) => document.getElementById(id);
 const canvas = $("picture");
 const SIDES = ["front", "right", "back", "left", "top", "below"];
+// After so long, ms, the gallery has its first pictures.
+const CALM = 800;
 const SIDEWAYS = { azimuth: 0.35, elevation: 0.15 };
 
 // What may be read by tests too.
 const page = {
   about: { kind: "none" }, state: {}, mine: false, frames: 0, hurry: new Hurry(),
-  camera: new Camera(), painter: null, tool: "view", isFit: false, stale: true, undrawn: 0,
+  camera: new Camera(), tool: "view", isFit: false, stale: true, undrawn: 0,
+  // It takes a while to make one: none is made before there is something to draw.
+  get painter() { return (painter ??= makePainter()); },
 };
 window.rapunzel = page;
+let painter = null;
 
 page.traced = new Traced($("traced"), $("tracing"), (order) => link.send(order));
-try {
-  page.painter = new Painter(canvas);
-} catch (error) {
-  page.painter = new PlainPainter(canvas, page.traced);
-  console.warn(error.message);
+
+function makePainter() {
+  try {
+    return new Painter(canvas);
+  } catch (error) {
+    console.warn(error.message);
+    return new PlainPainter(canvas, page.traced);
+  }
 }
 
 const charts = new Plots($("plots"));
@@ -90,6 +98,9 @@ function showAbout(about) {
   $("to-gallery").hidden = !about.has_gallery || about.kind === "gallery";
   $("gallery").hidden = about.kind !== "gallery";
   if (about.kind === "gallery") {
+    // What is looked at next needs a painter, and has a look of its own.
+    setTimeout(() => page.painter, CALM);
+    $("color").value = "own";
     showGallery($("gallery"), about.scenes, about.left_out, (name) => link.send({ do: "open", name }));
   }
   if (about.kind === "building") {
@@ -118,7 +129,8 @@ function showAbout(about) {
   $("mode").hidden = !about.has_modes;
   $("save").hidden = !isLive;
   $("over").hidden = !about.two;
-  $("trace").hidden = page.painter.isPlain || !["live", "recorded"].includes(about.kind);
+  $("plots-section").hidden = !isLive;
+  $("trace").hidden = !["live", "recorded"].includes(about.kind) || page.painter.isPlain;
   $("contacts-box").hidden = !about.has_touches && !about.has_pushes;
   $("field-box").hidden = !about.has_charge;
   $("tool-hand").hidden = !about.can_pull && !about.can_drag;
@@ -137,13 +149,13 @@ function showAbout(about) {
       `${line ? `${word("line", { line })}: ` : ""}${path ? `${path}: ` : ""}${message}`));
     say([word("cannot"), ...(problems.length ? problems : [about.message])].join("\n"), true);
   } else if (isOther && !about.warning) {
-    say(page.painter.isPlain && about.kind !== "gallery" ? word("noWebgl") : "");
+    say(about.kind !== "gallery" && page.painter.isPlain ? word("noWebgl") : "");
   }
 }
 
 function showLegend() {
   const color = $("color").value;
-  const { low, high } = page.painter.frame ?? { low: 0, high: 0 };
+  const { low, high } = painter?.frame ?? { low: 0, high: 0 };
   $("legend").hidden = color === "own" || color === "fiber" || !page.state.colored;
   $("legend-title").textContent = colorName(color);
   $("legend-low").textContent = quantity(low, UNITS[color]);
@@ -201,7 +213,7 @@ const hand = new Hand(canvas, {
 page.hand = hand;
 
 function fit() {
-  if (!page.painter.frame) return;
+  if (!painter?.frame) return;
   const [low, high] = page.painter.box();
   if (typeof page.about.ground === "number") low[2] = Math.min(low[2], page.about.ground);
   page.camera.fit(low, high, canvas.clientWidth / canvas.clientHeight);
@@ -222,7 +234,8 @@ const dark = () => document.documentElement.dataset.theme === "dark";
 
 function draw(now) {
   requestAnimationFrame(draw);
-  const { hurry, painter } = page;
+  if (!painter || page.about.kind === "gallery") return;
+  const { hurry } = page;
   if (hurry.begin(now, painter)) redraw();
   if (page.lead) {
     link.send({ do: "move", to: page.lead });
@@ -290,6 +303,7 @@ function relabel() {
   $("shortcuts").replaceChildren(...keys);
   charts.make(plots(page.about));
   if (page.about.kind !== "none") showAbout(page.about);
+  if (page.state.time !== undefined) teller.tell();
 }
 
 const click = (id, act) => $(id).addEventListener("click", act);

@@ -1,6 +1,6 @@
 // Draws a frame with WebGL2.
 
-import { build } from "./gl.js";
+import { build, rendererOf } from "./gl.js";
 import { shaded } from "./mesh.js";
 import { add, multiply, norm, orthographic, pose, scale, sub, unit, view } from "./matrix.js";
 import { Lines } from "./lines.js";
@@ -30,8 +30,6 @@ export class Painter {
     if (!gl) throw new Error("no WebGL2");
     this.gl = gl;
     this.isSlow = /swiftshader|llvmpipe|softpipe|software|basic render/i.test(rendererOf(gl));
-    this.programs = {};
-    for (const [name, code] of Object.entries(programs)) this.programs[name] = build(gl, code);
     this.marks = gl.createBuffer();
     this.marking = gl.createVertexArray();
     // What is drawn from textures has indices and no attributes.
@@ -42,7 +40,7 @@ export class Painter {
     this.objects = [];
     this.occlusion = new Occlusion(gl, DENSITY);
     this.hairLines = new Lines(gl, [LINES, DEPTHS]);
-    [this.smooth, this.textures] = [new Smooth(gl), new PointTextures(gl)];
+    Object.assign(this, { smooth: new Smooth(gl), textures: new PointTextures(gl), programs: {} });
     this.makeShadow();
     gl.bindVertexArray(this.marking);
     gl.bindBuffer(gl.ARRAY_BUFFER, this.marks);
@@ -231,7 +229,9 @@ export class Painter {
     const seen = camera.matrices(width / height);
     const { right, up, back } = seen.axes;
     const toLight = unit(add(add(scale(right, -0.55), scale(up, 0.9)), scale(back, 0.75)));
+    this.isBright = true;
     const shadow = look.shadows && !look.hurried ? this.drawShadow(camera, toLight) : null;
+    this.isBright = !shadow;
     const occluded = look.shadows && !this.layout.springs;
     if (occluded) this.occlusion.fill(this.layout, this.frame, this.most, look.thickness);
     const common = {
@@ -362,15 +362,21 @@ export class Painter {
     return { clip, look: [1, 2 * radius, 0.09 * radius] };
   }
 
+  // The program of a name, made when it is first used; without shadows the one that knows of none.
+  find(name) {
+    const own = this.isBright && programs[`${name}Bright`] ? `${name}Bright` : name;
+    return (this.programs[own] ??= build(this.gl, programs[own]));
+  }
+
   use(name, values) {
-    this.gl.useProgram(this.programs[name].program);
+    this.gl.useProgram(this.find(name).program);
     for (const [uniform, unit_] of Object.entries(UNITS)) this.put(name, uniform, unit_);
     for (const [uniform, value] of Object.entries(values)) this.put(name, uniform, value);
   }
 
   put(name, uniform, value) {
     const gl = this.gl;
-    const found = this.programs[name].uniforms[uniform];
+    const found = this.find(name).uniforms[uniform];
     if (!found) return;
     const { at, type } = found;
     if (type === gl.FLOAT_MAT4) gl.uniformMatrix4fv(at, false, value);
@@ -379,12 +385,6 @@ export class Painter {
     else if (type !== gl.FLOAT) gl.uniform1i(at, value);
     else gl.uniform1f(at, value);
   }
-}
-
-// What draws, as far as the browser tells.
-function rendererOf(gl) {
-  const told = gl.getExtension("WEBGL_debug_renderer_info");
-  return String(gl.getParameter(told ? told.UNMASKED_RENDERER_WEBGL : gl.RENDERER));
 }
 
 // The eight corners of the box of places.

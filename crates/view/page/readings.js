@@ -42,13 +42,15 @@ function rows(state, frame) {
   return list.filter(([, value]) => value !== undefined && value !== false && value !== null);
 }
 
+const title = (text) => text.charAt(0).toUpperCase() + text.slice(1);
+
 const energy = (x) => x !== undefined && quantity(x, "J");
 
 // What the stepper itself reads, whose names end with units in brackets.
 function extra(state) {
   return (state.names ?? []).map((name, index) => {
     const [, what, unit] = name.match(/^(.*) \((.*)\)$/) ?? [null, name, ""];
-    return [word(what), quantity(state.readings?.[index], unit.replace("^2", "²").replace("^3", "³"))];
+    return [title(word(what)), quantity(state.readings?.[index], unit.replace("^2", "²").replace("^3", "³"))];
   });
 }
 

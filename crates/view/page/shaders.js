@@ -46,6 +46,13 @@ float lit(vec3 place) {
 }
 `;
 
+// The same without a shadow. Without a graphics card a pixel pays for all that its program could
+// do.
+const BRIGHT = `
+uniform vec3 uLight;
+float lit(vec3 place) { return 1.; }
+`;
+
 // Light from all around, as far as hair lets it through.
 const OPEN = `
 uniform highp sampler3D uDensity;
@@ -121,23 +128,25 @@ Vertex ribbon(vec3 eye) {
 
 // Fibres that are seen from close by are lit at every pixel, as round.
 const fiber = {
-  vertex: `${HEAD}uniform vec3 uEye;${RIBBON}
+  vertex: `${HEAD}uniform vec3 uEye;${COLORS}${RIBBON}
 out vec3 vPlace, vTangent, vSide, vColor;
-out float vAcross, vValue;
+out float vAcross;
 void main() {
   Vertex v = ribbon(uEye);
-  vPlace = v.place; vTangent = v.tangent; vSide = v.side; vColor = v.color;
-  vAcross = v.across; vValue = v.value;
+  vPlace = v.place; vTangent = v.tangent; vSide = v.side; vColor = colored(v.color, v.value);
+  vAcross = v.across;
 }`,
-  fragment: `${HEAD}${COLORS}${LIGHT}${OPEN}${SHADE}
+  fragment: `${HEAD}uniform int uColoring;${LIGHT}
+float open(vec3 place) { return 1.; } // they are few
+${SHADE}
 in vec3 vPlace, vTangent, vSide, vColor;
-in float vAcross, vValue;
+in float vAcross;
 out vec4 oColor;
 void main() {
   vec3 t = normalize(vTangent), side = normalize(vSide), up = normalize(cross(side, t));
   up *= sign(dot(up, uEye - vPlace) + 1e-9);
   vec3 n = normalize(side * vAcross + up * sqrt(max(0., 1. - vAcross * vAcross)));
-  oColor = vec4(shade(vPlace, t, n, colored(vColor, vValue)), 1.);
+  oColor = vec4(shade(vPlace, t, n, vColor), 1.);
 }`,
 };
 
@@ -187,24 +196,22 @@ void main() {
 
 // Faces of nets and bodies, whose corners are points of strands.
 const cloth = {
-  vertex: `${HEAD}${PLACES}
-out vec3 vPlace;
-out float vValue;
+  vertex: `${HEAD}${COLORS}${PLACES}
+uniform vec3 uOwn;
+out vec3 vPlace, vColor;
 void main() {
-  vPlace = place(gl_VertexID); vValue = value(gl_VertexID);
+  vPlace = place(gl_VertexID); vColor = colored(uOwn, value(gl_VertexID));
   gl_Position = uClip * vec4(vPlace, 1.);
 }`,
-  fragment: `${HEAD}${COLORS}${LIGHT}
-uniform vec3 uEye, uOwn;
-in vec3 vPlace;
-in float vValue;
+  fragment: `${HEAD}${LIGHT}
+uniform vec3 uEye;
+in vec3 vPlace, vColor;
 out vec4 oColor;
 void main() {
-  vec3 v = normalize(uEye - vPlace), n = normalize(cross(dFdx(vPlace), dFdy(vPlace)));
-  n *= sign(dot(n, v) + 1e-9);
-  vec3 own = colored(uOwn, vValue);
+  vec3 n = normalize(cross(dFdx(vPlace), dFdy(vPlace)));
+  n *= sign(dot(n, uEye - vPlace) + 1e-9);
   float light = .4 + .6 * max(dot(n, uLight), 0.) * lit(vPlace);
-  oColor = vec4(sqrt(own * own * light), .5);
+  oColor = vec4(vColor * sqrt(light), .5);
 }`,
 };
 
@@ -250,4 +257,9 @@ void main() {
 }`,
 };
 
+// The programs, and those of them that know of shadows without these.
 export const programs = { box, fiber, fiberShadow, hair, mesh, cloth, mark };
+const bright = (text) => text.replace(LIGHT, BRIGHT);
+for (const [name, { vertex, fragment }] of Object.entries({ fiber, hair, mesh, cloth })) {
+  programs[`${name}Bright`] = { vertex: bright(vertex), fragment: bright(fragment) };
+}

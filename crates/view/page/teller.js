@@ -21,7 +21,7 @@ export class Teller {
     const isAlike = pressed(page.state) === pressed(state);
     page.state = { ...state, names: page.about.readings, has_contacts: page.about.has_contacts };
     if (page.about.kind === "live") this.charts.push(page.state);
-    const waits = page.painter.isSlow && state.runs && isAlike;
+    const waits = state.runs && isAlike && page.painter.isSlow;
     clearTimeout(this.timer);
     const left = waits ? PATIENCE - (performance.now() - this.last) : 0;
     if (left > 0) this.timer = setTimeout(() => this.tell(), left);
@@ -45,7 +45,7 @@ export class Teller {
       $("frame-text").textContent = `${state.frame + 1}/${state.frames}`;
       $("slider-box").hidden = state.frames < 2;
     }
-    fillRows($("readings"), state, page.painter.frame);
+    if (page.about.kind !== "gallery") fillRows($("readings"), state, page.painter.frame);
     if (page.about.kind === "live") {
       charts.draw();
       showValues(state.values ?? {});

@@ -35,6 +35,7 @@ const WORDS = {
     rope: "Ropes", net: "Nets", body: "Bodies", round: "Ring and ball", fibers: "Fibres",
     contactKind: "Fibres in contact", chargeKind: "Charged fibres",
     leftOut: "What else ships", needs_files: "Scenes with files beside them: rapunzel new NAME, then rapunzel view",
+    grows: "Scenes whose hair grows first: rapunzel new NAME, then rapunzel view",
     is_style: "Styles, which grow for a while: rapunzel new NAME, then rapunzel view",
     is_case: "Cases, which do not move: rapunzel new NAME, then rapunzel solve",
     connecting: "The program is not there. Waiting for it …", building: "Building",
@@ -103,6 +104,7 @@ const WORDS = {
     rope: "Seile", net: "Netze", body: "Körper", round: "Ring und Kugel", fibers: "Fasern",
     contactKind: "Fasern in Kontakt", chargeKind: "Geladene Fasern",
     leftOut: "Was noch dabei ist", needs_files: "Szenen mit Dateien: rapunzel new NAME, dann rapunzel view",
+    grows: "Szenen, deren Haar erst wächst: rapunzel new NAME, dann rapunzel view",
     is_style: "Frisuren, die eine Weile wachsen: rapunzel new NAME, dann rapunzel view",
     is_case: "Fälle, die sich nicht bewegen: rapunzel new NAME, dann rapunzel solve",
     connecting: "Das Programm ist nicht da. Warten …", building: "Wird aufgebaut",
@@ -156,7 +158,7 @@ export function word(name, values = {}) {
 export function quantity(x, unit = "") {
   if (x === null || x === undefined || !Number.isFinite(x)) return "–";
   const prefixes = ["p", "n", "µ", "m", "", "k", "M", "G"];
-  const plain = unit === "" || unit === "°C" || unit.startsWith("1/") || unit.includes("²");
+  const plain = unit === "" || unit === "°C" || unit.startsWith("1/") || /[²³]/.test(unit);
   const size = Math.abs(x);
   if (plain || size === 0 || size < 1e-12) {
     const text = size !== 0 && (size < 1e-3 || size >= 1e6) ? x.toExponential(2) : digits(x);

@@ -124,14 +124,14 @@ impl Driver {
 
     /// Opens a scene of the gallery.
     pub(crate) fn open_named(&mut self, name: &str) {
-        let Some(scene) = self.options.gallery.iter().find(|scene| scene.name == name) else {
+        let Some(item) = self.options.gallery.iter().find(|item| item.name == name) else {
             return;
         };
-        let Some(scene) = scene.scene() else { return };
+        let Some(scene) = item.scene() else { return };
         let tell = teller(Arc::clone(&self.hub));
         self.watch = None;
         let tell = |stage| tell(ShownStage::Building(stage));
-        self.stage = Showing::build(scene, &self.options.folder, &tell);
+        self.stage = Showing::build(item, scene, &self.options.folder, &tell);
         name.clone_into(&mut self.name);
         self.show();
     }
@@ -216,7 +216,9 @@ impl Driver {
         if self.hand_felt {
             return (SHARE_OF_HAND * self.frame_cost).min(FRAME);
         }
-        (SHARE * self.frame_cost).clamp(FRAME, SLOWEST_FRAME)
+        // What a hand pulls follows it for some steps: a page shows the last of two frames.
+        let fastest = if self.stage.is_held() { FRAME / 2 } else { FRAME };
+        (SHARE * self.frame_cost).clamp(fastest, SLOWEST_FRAME)
     }
 
     /// Draws a picture of what is shown now for a page, or no more.

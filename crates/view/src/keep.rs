@@ -2,14 +2,14 @@
 
 use crate::live::{KEPT, Live};
 use rapunzel_scene::Scene;
-use rapunzel_sim::{SimError, keep_state, take_up_state};
+use rapunzel_sim::{SimError, keep_state, read_text, take_up_state};
 use std::fs::File;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 impl Live {
     /// Saves the scene with all that was changed under a name that no file has, and gives that and
-    /// whether a run of it goes as all went here.
+    /// whether a run of it goes as all went here. The files that ship with it come beside it.
     pub(crate) fn save(&mut self, folder: &Path, stem: &str) -> Result<(PathBuf, bool), SimError> {
         self.write(folder, &format!("{stem}-changed")).map(|(path, _)| (path, !self.is_bent))
     }
@@ -45,6 +45,17 @@ impl Live {
         scene.duration = scene.duration.max(frames / self.plan.frame_rate);
         let text = scene.to_ron()?;
         let io = |path: &Path, source| SimError::Io { action: "write", path: path.into(), source };
+        for (name, text) in &self.files {
+            let path = folder.join(name);
+            match File::create_new(&path) {
+                Ok(mut file) => {
+                    file.write_all(text.as_bytes()).map_err(|error| io(&path, error))?;
+                }
+                // A file that is the same serves as well.
+                Err(_) if read_text(&path).is_ok_and(|there| there == *text) => {}
+                Err(error) => return Err(io(&path, error)),
+            }
+        }
         let mut number = 1;
         loop {
             let path = folder.join(format!("{stem}-{number}.ron"));

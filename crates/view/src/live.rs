@@ -1,5 +1,6 @@
 //! A scene that runs.
 
+use crate::GalleryScene;
 use crate::clock::WallPace;
 use crate::drag::ObjectDrag;
 use crate::extras::{Extras, Shows, boxes, pushes};
@@ -15,6 +16,7 @@ use rapunzel_scene::{Moves, Plan, Scene};
 use rapunzel_sim::{BuildStage, SimError, Snapshot, StepReport, World};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
+use tempfile::TempDir;
 
 /// Ending of the name of a file that holds where a scene was left.
 pub(crate) const KEPT: &str = "checkpoint";
@@ -27,6 +29,9 @@ pub(crate) struct Live {
     original: Scene,
     /// Where its files are.
     pub(crate) folder: PathBuf,
+    /// Names and texts of files that ship with it, for which the folder is only lent.
+    pub(crate) files: Vec<(String, String)>,
+    pub(crate) lent: Option<TempDir>,
     pub(crate) world: World,
     pub(crate) plan: Plan,
     start: Snapshot,
@@ -57,6 +62,8 @@ impl Live {
         Ok(Self {
             original: scene.clone(),
             folder: folder.to_owned(),
+            files: Vec::new(),
+            lent: None,
             plan: Plan::new(&scene),
             start: world.snapshot(),
             world,
@@ -71,6 +78,23 @@ impl Live {
             lines: None,
             is_bent: false,
         })
+    }
+
+    /// Builds a scene of the gallery; one that names no files is seen from `folder`.
+    pub(crate) fn of_gallery(
+        item: &GalleryScene,
+        scene: Scene,
+        folder: &Path,
+        at: &dyn Fn(BuildStage),
+    ) -> Result<Self, SimError> {
+        let lent = item.lay_out().map_err(|source| SimError::Io {
+            action: "write",
+            path: std::env::temp_dir(),
+            source,
+        })?;
+        let mut live = Self::new(scene, lent.as_ref().map_or(folder, TempDir::path), at)?;
+        (live.files, live.lent) = (item.files.clone(), lent);
+        Ok(live)
     }
 
     /// Moves all by a step.

@@ -1,6 +1,7 @@
 //! What pages ask for, done between steps.
 
 use crate::driver::Driver;
+use crate::frame::Colors;
 use crate::modes;
 use crate::order::Order;
 use crate::stage::Showing;
@@ -61,6 +62,8 @@ impl Driver {
             Order::Open { name } => self.open_named(&name),
             Order::Gallery => {
                 (self.stage, self.watch) = (Showing::Gallery, None);
+                // What comes next is something else, with a look of its own.
+                self.colors = Colors::default();
                 self.name.clear();
                 self.show();
             }

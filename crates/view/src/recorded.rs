@@ -5,7 +5,7 @@ use crate::clock::WallPace;
 use crate::extras::{Extras, Shows, boxes, node_pushes};
 use crate::frame::{Colors, FrameHead, frame};
 use crate::layout::{Parts, layout};
-use nalgebra::{Isometry3, Translation3, Vector3};
+use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 use rapunzel_export::Frame;
 use rapunzel_export::surface::Placed;
 use rapunzel_sim::{Shown, ShownFrame, ShownStage, SimError};
@@ -17,6 +17,8 @@ use std::time::{Duration, Instant};
 const LOOK: Duration = Duration::from_millis(500);
 /// Way from a run to the one beside it, over the width of the first frame.
 const APART: f64 = 1.3;
+/// Size of an object over that of the hair from which on it counts as ground.
+const LARGE: f64 = 2.5;
 
 /// Frames with one that is shown.
 pub(crate) struct Recorded {
@@ -161,16 +163,28 @@ impl Recorded {
     }
 }
 
+/// Lowest and highest coordinates of points, m.
+fn bounds<'a>(points: impl IntoIterator<Item = &'a Point3<f64>>) -> [Vector3<f64>; 2] {
+    let none = [f64::MAX, f64::MIN].map(Vector3::repeat);
+    let wider = |[low, high]: [Vector3<f64>; 2], point: &Point3<f64>| {
+        [low.inf(&point.coords), high.sup(&point.coords)]
+    };
+    points.into_iter().fold(none, wider)
+}
+
 impl Second {
     fn open(path: &Path, first: &ShownFrame, at: &dyn Fn(ShownStage)) -> Result<Self, SimError> {
         let shown = Shown::open(path, at)?;
         let now = shown.frame(0)?;
-        let points = || first.frame.strands.iter().flat_map(|strand| &strand.points);
-        let ends = |ends: [f64; 2], x: f64| [ends[0].min(x), ends[1].max(x)];
-        let along = |k: usize| points().map(|p| p[k]).fold([f64::MAX, f64::MIN], ends);
-        let [width, height] = [0, 2].map(|k| (along(k)[1] - along(k)[0]).max(0.0));
+        let hair = bounds(first.frame.strands.iter().flat_map(|strand| &strand.points));
+        let size = hair[1] - hair[0];
+        let objects = first.objects.iter().map(|object| bounds(&object.surface.vertices));
+        // The ground may lie in that of the other.
+        let objects = objects.filter(|[low, high]| (high - low).norm() <= LARGE * size.norm());
+        let [low, high] =
+            objects.fold(hair, |[low, high], own| [low.inf(&own[0]), high.sup(&own[1])]);
         // A lock that hangs is narrow, and swings.
-        let aside = Vector3::x() * (APART * width.max(0.3 * height));
+        let aside = Vector3::x() * (APART * (high.x - low.x).max(0.3 * size.z).max(0.0));
         let (path, times) = (path.to_owned(), BTreeMap::new());
         Ok(Self { path, shown, times, index: 0, now, aside, over: false })
     }

@@ -1,5 +1,6 @@
 //! What is shown.
 
+use crate::GalleryScene;
 use crate::extras::Shows;
 use crate::frame::Colors;
 use crate::live::{KEPT, Live};
@@ -41,12 +42,22 @@ impl Showing {
         opened.unwrap_or_else(|error| Self::Broken(Broken::of(&error)))
     }
 
-    /// Builds a scene.
-    pub(crate) fn build(scene: Scene, folder: &Path, at: &dyn Fn(BuildStage)) -> Self {
-        match Live::new(scene, folder, at) {
+    /// Builds a scene of the gallery; one that names no files is seen from `folder`.
+    pub(crate) fn build(
+        item: &GalleryScene,
+        scene: Scene,
+        folder: &Path,
+        at: &dyn Fn(BuildStage),
+    ) -> Self {
+        match Live::of_gallery(item, scene, folder, at) {
             Ok(live) => Self::Live(Box::new(live)),
             Err(error) => Self::Broken(Broken::of(&error)),
         }
+    }
+
+    /// Whether a hand holds something.
+    pub(crate) fn is_held(&self) -> bool {
+        matches!(self, Self::Live(live) if live.hand.is_some() || live.drag.is_some())
     }
 
     /// A new layout; none where nothing is shown.

@@ -387,6 +387,8 @@ fn templates_are_sound_and_not_overwritten() {
     let head = rapunzel().current_dir(folder.path()).args(["new", "contact/head"]).status();
     assert!(head.expect("runs").success() && folder.path().join("standing.ron").exists());
     assert!(!fs::read_to_string(folder.path().join("head.ron")).expect("a scene").contains(".."));
+    let half = rapunzel().current_dir(folder.path()).args(["new", "charge/half-head"]).status();
+    assert!(half.expect("runs").success() && folder.path().join("head.obj").exists());
     let unknown = rapunzel().args(["new", "wig"]).output().expect("runs");
     assert_eq!(unknown.status.code(), Some(2));
     assert!(stderr(&unknown).contains("lock-under-gravity"), "the list: {}", stderr(&unknown));

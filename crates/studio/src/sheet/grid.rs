@@ -33,6 +33,13 @@ impl SheetGrid {
         (2..=count).map(best).fold(best(1), |a, b| if b.scale > a.scale { b } else { a })
     }
 
+    /// A picture alone, of at most this width and height, pixels.
+    pub(super) fn alone(view: &View, largest: [f64; 2]) -> Self {
+        let [width, height] = view.size;
+        let scale = (largest[0] / width).min(largest[1] / height);
+        Self { columns: 1, rows: 1, scale, picture: [scale * width, scale * height] }
+    }
+
     fn pitch(&self) -> [f64; 2] {
         [self.picture[0] + MARGIN, self.picture[1] + MARGIN + CAPTION]
     }

@@ -61,13 +61,7 @@ pub fn write(
     if !winds.iter().all(|wind| wind.norm().is_finite()) {
         return Err(StudioError::Wind { what: "is not finite" });
     }
-    let lines = frames.iter().flat_map(|frame| &frame.lines);
-    let points = lines.clone().flat_map(frame::Line::points);
-    let vertices = objects.iter().flatten().flat_map(|object| &object.surface.vertices);
-    let points = points.chain(vertices.copied());
-    let radii = lines.flat_map(|line| &line.radii);
-    let thickest = radii.fold(0.0, |a: f32, r| a.max(*r)).into();
-    let view = View::of(points, thickest, !objects.is_empty()).ok_or(ExportError::Empty)?;
+    let view = view(frames, objects.iter().flatten(), !objects.is_empty())?;
     let count = frames.len().min(CELLS);
     let grid = SheetGrid::new(count, &view);
     let mut canvas = Canvas::new(grid.size(), PAPER);
@@ -91,6 +85,41 @@ pub fn write(
     }
     grid.scale_bar(&mut canvas, INK);
     canvas.write(out)
+}
+
+/// Writes a picture of one frame and of objects, of at most `largest` pixels across and down, as it
+/// would be seen on a sheet, without a scale. Cost: a ray for every pixel.
+///
+/// # Errors
+/// As [`write`].
+pub fn write_small(
+    out: &mut impl Write,
+    frame: &PreviewFrame,
+    objects: &[Placed],
+    largest: [u16; 2],
+) -> Result<(), StudioError> {
+    objects.iter().try_for_each(|object| surface::check(&object.surface))?;
+    let view = view(std::slice::from_ref(frame), objects.iter(), !objects.is_empty())?;
+    let grid = SheetGrid::alone(&view, largest.map(f64::from));
+    let mut canvas = Canvas::new(grid.picture, PAPER);
+    paint::paint(&mut canvas, frame, objects, &view, &grid, [0.0; 2])?;
+    mark(&mut canvas, frame, &view, &grid, [0.0; 2]);
+    canvas.write(out)
+}
+
+/// The view of all frames and objects.
+fn view<'a>(
+    frames: &[PreviewFrame],
+    objects: impl Iterator<Item = &'a Placed> + Clone,
+    over_surfaces: bool,
+) -> Result<View, StudioError> {
+    let lines = frames.iter().flat_map(|frame| &frame.lines);
+    let points = lines.clone().flat_map(frame::Line::points);
+    let vertices = objects.flat_map(|object| &object.surface.vertices);
+    let points = points.chain(vertices.copied());
+    let radii = lines.flat_map(|line| &line.radii);
+    let thickest = radii.fold(0.0, |a: f32, r| a.max(*r)).into();
+    Ok(View::of(points, thickest, over_surfaces).ok_or(ExportError::Empty)?)
 }
 
 /// Draws marks at the supports of the fibres of `frame`, in front of everything.

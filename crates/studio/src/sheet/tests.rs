@@ -50,6 +50,25 @@ fn a_sheet_is_a_png_with_dark_fibers_on_paper() {
 }
 
 #[test]
+fn a_small_picture_is_as_large_as_asked() {
+    let frame = picture(waving(0));
+    for largest in [[480, 360], [100, 360], [480, 50]] {
+        let mut bytes = Vec::new();
+        write_small(&mut bytes, &frame, &[], largest).expect("a picture");
+        let (info, pixels) = decode(&bytes);
+        let most = largest.map(u32::from);
+        let touches = info.width == most[0] || info.height == most[1];
+        assert!(info.width <= most[0] && info.height <= most[1] && touches, "{info:?}");
+        // A line of 2.2 pixels along what is 1/1.08 of the longer side, dark half of the way.
+        let dark = pixels.chunks(3).filter(|p| p[0] < 130).count();
+        assert!(dark as f64 > 0.5 * f64::from(info.width.max(info.height)) / 1.08, "{dark}");
+    }
+    let none = picture(Frame { strands: Vec::new(), ..waving(0) });
+    let refused = write_small(&mut Vec::new(), &none, &[], [9, 9]);
+    assert!(matches!(refused, Err(StudioError::Frame(ExportError::Empty))));
+}
+
+#[test]
 fn odd_shapes_have_a_sheet() {
     let mut line = waving(0);
     for p in line.strands.iter_mut().flat_map(|s| &mut s.points) {

@@ -61,6 +61,11 @@ pub(crate) const CHARGED: &str = "(
     charging: (dealing: Falling(4), tolerance: 1e-3),
 )";
 
+/// A scene of the gallery that names no files.
+pub(crate) fn alone(name: &str, text: &str) -> GalleryScene {
+    GalleryScene { name: name.into(), text: text.into(), files: Vec::new() }
+}
+
 /// A server that is stopped when it is dropped.
 pub(crate) struct Served {
     /// Host and port.
@@ -84,8 +89,7 @@ impl Served {
 
     /// A gallery of a rope and hairs.
     pub(crate) fn gallery(folder: &Path) -> Self {
-        let scene = |name: &str, text: &str| GalleryScene { name: name.into(), text: text.into() };
-        let gallery = vec![scene("springs/rope", ROPE), scene("hairs", HAIRS)];
+        let gallery = vec![alone("springs/rope", ROPE), alone("hairs", HAIRS)];
         Self::new(Options { gallery, ..Options::local(folder.to_owned()) })
     }
 

@@ -1,6 +1,6 @@
 use crate::common::{BALL, HAIRS, ROPE, Served};
 use rapunzel_sim::{Plan, Scene, World};
-use rapunzel_view::Options;
+use rapunzel_view::{GalleryScene, Options};
 use serde_json::Value;
 use std::fs;
 
@@ -89,4 +89,42 @@ fn nothing_is_kept_of_what_did_not_move() {
     served.stop();
     assert_eq!(served.kept, None);
     assert_eq!(fs::read_dir(folder.path()).expect("a folder").count(), 1);
+}
+
+/// A scene of the gallery that names a file is saved with it, runs from there to the same bits, and
+/// takes the place of no other file of that name.
+#[test]
+fn a_scene_with_a_file_is_saved_with_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let block = "v 0 0 0\nv .02 0 0\nv 0 .02 0\nv 0 0 .02\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+    let text = BALL.replace("Ball(radius: 0.02)", "Mesh(file: \"block.obj\", spacing: 0.002)");
+    let files = vec![("block.obj".to_owned(), block.to_owned())];
+    let gallery = vec![GalleryScene { name: "block".into(), text, files }];
+    let options = Options { gallery, ..Options::local(folder.path().to_owned()) };
+    let served = Served::new(options);
+    let mut page = served.page();
+    page.open("block");
+    // What it needs while it is shown is elsewhere.
+    assert_eq!(fs::read_dir(folder.path()).expect("a folder").count(), 0);
+    for _ in 0..3 {
+        page.order(r#"{"do":"step"}"#);
+    }
+    let state = page.wait("state", |state| state["steps"] == 3);
+    page.order(r#"{"do":"save"}"#);
+    let saved = page.wait("saved", |saved| saved["exact"] == true);
+    let beside = folder.path().join("block.obj");
+    assert_eq!(fs::read_to_string(&beside).expect("text"), block);
+    let text = fs::read_to_string(saved["file"].as_str().expect("a path")).expect("text");
+    let scene = Scene::from_ron(&text).expect("a scene").seen_from(folder.path());
+    let mut world = World::build(&scene).expect("a world");
+    for _ in 0..3 {
+        world.step(Plan::new(&scene).dt).expect("a step");
+    }
+    let kinetic = state["kinetic"].as_f64().expect("J");
+    assert_eq!(world.energy().kinetic.to_bits(), kinetic.to_bits());
+    fs::write(&beside, "another").expect("written");
+    page.order(r#"{"do":"save"}"#);
+    let complaint = page.wait("complaint", |_| true);
+    assert!(complaint["message"].as_str().is_some_and(|text| text.contains("block.obj")));
+    assert_eq!(fs::read_to_string(&beside).expect("text"), "another");
 }

@@ -1,6 +1,7 @@
 //! The server and the page as a browser meets them.
 
 mod accessible;
+mod axe;
 mod browser;
 mod common;
 mod hands;

@@ -23,9 +23,21 @@ const SPAN: Duration = Duration::from_secs(5);
 #[test]
 #[ignore = "prints times"]
 fn measured_frames_of_a_thousand_fibers() {
+    frames("1000 x 48", THOUSAND);
+}
+
+#[test]
+#[ignore = "prints times"]
+fn measured_frames_of_ten_thousand_fibers() {
+    let many = THOUSAND.replace("count: 1000", "count: 10000").replace("47", "99");
+    frames("10,000 x 100", &many.replace("0.012, 0.012", "0.04, 0.04"));
+}
+
+/// Prints how many frames are drawn a second, standing still and running.
+fn frames(name: &str, text: &str) {
     let Some(mut browser) = Browser::start(1000, 700) else { return };
     let folder = tempfile::tempdir().expect("a folder");
-    let served = Served::scene(folder.path(), THOUSAND);
+    let served = Served::scene(folder.path(), text);
     browser.open(&served.url);
     browser.wait("rapunzel.about.kind === 'live' && rapunzel.isFit");
     // All that can be drawn, from a camera that turns.
@@ -36,7 +48,7 @@ fn measured_frames_of_a_thousand_fibers() {
                 else done((1000 * (rapunzel.drawn - first)) / (performance.now() - begin)); };
             turn(); })",
     );
-    println!("1000 x 48: {drawn} frames drawn a second, standing still");
+    println!("{name}: {drawn} frames drawn a second, standing still");
     browser.value("document.getElementById('run').click()");
     browser.wait("rapunzel.state.steps > 3");
     let before = [browser.value("rapunzel.drawn"), browser.value("rapunzel.state.steps")];
@@ -45,7 +57,7 @@ fn measured_frames_of_a_thousand_fibers() {
     let rate = |k: usize| {
         (after[k].as_f64().expect("a number") - before[k].as_f64().expect("a number")) / 5.0
     };
-    println!("1000 x 48: {} frames and {} steps a second, running", rate(0), rate(1));
+    println!("{name}: {} frames and {} steps a second, running", rate(0), rate(1));
     assert!(rate(0) > 0.0);
 }
 
@@ -106,28 +118,37 @@ fn measured_way_from_the_mouse_to_the_picture() {
     let begin = Instant::now();
     open(&mut browser, "mass-spring/rope");
     println!("the first picture of the rope is there {:.0?} after the click", begin.elapsed());
+    from_the_mouse(&mut browser, 0);
+    browser.value("document.getElementById('to-gallery').click()");
+    browser.wait("rapunzel.about.kind === 'gallery'");
+    open(&mut browser, "mass-spring/cloth-on-a-line");
+    from_the_mouse(&mut browser, 100);
+}
+
+/// Prints how long it takes until a node that is pulled is drawn 2 mm away.
+fn from_the_mouse(browser: &mut Browser, node: usize) {
     browser.value("document.getElementById('run').click()");
     let mut times = Vec::new();
     for round in 0..12 {
-        let (x, y) = crate::page::pixels(&mut browser, 0);
+        let (x, y) = crate::page::pixels(browser, node);
         browser.mouse("mousePressed", x, y);
         browser.wait("rapunzel.state.holds");
-        browser.value(
-            "window.seen = new Promise((done) => {
-                const at = () => rapunzel.painter.place(0)[0];
-                document.getElementById('picture').addEventListener('pointermove', () => {
+        browser.value(&format!(
+            "window.seen = new Promise((done) => {{
+                const at = () => rapunzel.painter.place({node})[0];
+                document.getElementById('picture').addEventListener('pointermove', () => {{
                     const [begin, from] = [performance.now(), at()];
                     const look = () => (Math.abs(at() - from) > 0.002 && !rapunzel.stale
                         ? done(performance.now() - begin) : requestAnimationFrame(look));
                     look();
-                }, { once: true }); }); 0",
-        );
+                }}, {{ once: true }}); }}); 0"
+        ));
         browser.mouse("mouseMoved", x + if round % 2 == 0 { 100.0 } else { -100.0 }, y);
         times.push(browser.value("window.seen").as_f64().expect("ms"));
         browser.mouse("mouseReleased", x, y);
         browser.wait("!rapunzel.state.holds");
     }
     times.sort_by(f64::total_cmp);
-    println!("from the mouse to the picture, ms: {times:.0?}");
+    println!("node {node}, from the mouse to the picture, ms: {times:.0?}");
     assert_eq!(times.len(), 12);
 }

@@ -50,7 +50,11 @@ pub(crate) fn shipped() -> Vec<GalleryScene> {
             let text = fs::read_to_string(&path).expect("a scene");
             let stem = path.file_stem().expect("a name").to_string_lossy().into_owned();
             let name = if kind.is_empty() { stem } else { format!("{kind}/{stem}") };
-            scenes.push(GalleryScene { name, text });
+            // What it names lies beside it.
+            let beside = |name: &str| fs::read_to_string(path.with_file_name(name)).ok();
+            let files = ["head.obj"].into_iter().filter(|name| text.contains(name));
+            let files = files.filter_map(|name| Some((name.to_owned(), beside(name)?))).collect();
+            scenes.push(GalleryScene { name, text, files });
         }
     }
     scenes

@@ -1,4 +1,4 @@
-use crate::common::{Client, HAIRS, Served, bump};
+use crate::common::{BALL, Client, HAIRS, Served, bump};
 use rapunzel_sim::{Cancel, Control, Existing, RunFolder, Scene, Shown, World, run};
 use rapunzel_view::Options;
 use serde_json::Value;
@@ -120,6 +120,27 @@ fn a_run_of_another_version_is_shown_as_far_as_it_is_understood_and_told_if_not(
 fn roots(page: &Client, strands: usize) -> Vec<f64> {
     let each = page.points() / strands;
     (0..strands).map(|strand| page.position(strand * each).0[0]).collect()
+}
+
+#[test]
+fn objects_of_two_runs_lie_beside_each_other() {
+    let place = tempfile::tempdir().expect("a folder");
+    let [first, second] = ["first", "second"].map(|name| place.path().join(name));
+    for folder in [&first, &second] {
+        record_of(BALL, folder);
+    }
+    let options = Options {
+        what: Some(first),
+        beside: Some(second),
+        ..Options::local(place.path().to_owned())
+    };
+    let served = Served::new(options);
+    let mut page = served.page();
+    page.wait("about", |about| about["kind"] == "recorded");
+    page.wait_frame(|page| page.points() == 6 * 21);
+    let apart = page.object(1)[0] - page.object(0)[0];
+    // Balls of a radius of 2 cm, and the hair of the second is not in the ball of the first.
+    assert!(apart > 0.06, "{apart}");
 }
 
 #[test]

@@ -1,7 +1,7 @@
 use crate::browser::Browser;
-use crate::common::{BALL, HAIRS, Served, bump};
+use crate::common::{BALL, HAIRS, Served, alone, bump};
 use crate::page::{gallery, lit, open, shipped};
-use rapunzel_view::{GalleryScene, Options};
+use rapunzel_view::Options;
 use serde_json::json;
 
 #[test]
@@ -13,10 +13,10 @@ fn every_scene_of_the_gallery_opens_and_draws() {
     browser.wait("rapunzel.about.kind === 'gallery'");
     let cards = browser.value("[...document.querySelectorAll('.card')].map((c) => c.dataset.name)");
     let cards: Vec<_> = cards.as_array().expect("names").iter().map(|name| name.as_str()).collect();
-    // Whatever stands alone is there.
+    // Whatever names no style is there.
     let alone = shipped()
         .into_iter()
-        .filter(|scene| !scene.text.contains(".ron\"") && !scene.text.contains(".obj\""))
+        .filter(|scene| !scene.text.contains(".ron\""))
         .filter(|scene| !["static/", "style/"].iter().any(|kind| scene.name.starts_with(kind)));
     let alone: Vec<_> = alone.map(|scene| scene.name).collect();
     assert!(alone.len() > 20 && alone.iter().all(|name| cards.contains(&Some(name))), "{cards:?}");
@@ -170,8 +170,7 @@ fn a_browser_without_webgl2_gets_pictures_from_the_program() {
 fn every_slider_of_the_page_changes_its_parameter() {
     let Some(mut browser) = Browser::start(900, 700) else { return };
     let folder = tempfile::tempdir().expect("a folder");
-    let scene = |name: &str, text: &str| GalleryScene { name: name.into(), text: text.into() };
-    let own = [scene("charged", crate::common::CHARGED), scene("ball", BALL)];
+    let own = [alone("charged", crate::common::CHARGED), alone("ball", BALL)];
     let gallery = shipped().into_iter().chain(own).collect();
     let served = Served::new(Options { gallery, ..Options::local(folder.path().to_owned()) });
     browser.open(&served.url);
