@@ -106,7 +106,9 @@ impl ContactStepper {
         let last = part.turns.iter_mut().zip(&turns).zip(still);
         last.filter(|(_, still)| !**still).for_each(|((last, turn), _)| *last = *turn);
         laps.lap(&mut self.times.rods);
-        let found = case.certificate(system, &system.fibers.velocities(StepVelocity::Mean));
+        let mean = system.fibers.velocities(StepVelocity::Mean);
+        self.bend(system, case, &mean, part.dt);
+        let found = case.certificate(system, &mean);
         case.set_error(self.tolerance(part.dt).error(&found));
         laps.lap(&mut self.times.laws);
         part.report.iterations += system.fibers.assembly().fibers().len();

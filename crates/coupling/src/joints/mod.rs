@@ -10,11 +10,13 @@
 mod groups;
 mod joined_fibers;
 mod junction;
+mod load_history;
 mod matrix;
 mod network;
 mod node_joint;
 mod step;
 
 pub use joined_fibers::JoinedFibers;
-pub(crate) use network::refuse_repeated;
+pub(crate) use junction::Junction;
+pub(crate) use node_joint::refuse_repeated;
 pub use node_joint::{Connection, FiberPlace, NodeJoint};

@@ -9,6 +9,7 @@ mod sides;
 
 use super::ball_joints::JointPoint;
 use super::group_body::{DelassusCache, GroupBody};
+use super::junctions::Couple;
 use super::laws::ContactLaws;
 use super::node_arrays::FiberVelocities;
 use super::velocities::Velocities;
@@ -23,7 +24,7 @@ use rapunzel_contact::{
 };
 use rapunzel_rod_dynamic::StepVelocity;
 use rayon::prelude::*;
-use sides::{ContactSide, each, rod_point, traces};
+use sides::{ContactSide, each, traces};
 use std::sync::{Mutex, PoisonError};
 
 /// Residuals, and errors of velocities in m/s, below this take more than single precision.
@@ -49,6 +50,8 @@ pub(super) struct ContactProblem {
     points: Vec<ContactPoint>,
     /// How many of them are listed: all that follow are joints.
     listed: usize,
+    /// Those of the last joints, which are couples.
+    couples: Vec<Couple>,
     laws: Vec<ContactParameters>,
     /// Impulses, N s, in the frames of the contacts.
     impulses: Vec<Vector3<f64>>,
@@ -73,6 +76,15 @@ pub(super) struct ContactProblem {
     solved: Vec<Contact>,
 }
 
+/// What a problem is made of.
+pub(super) struct ContactLists {
+    /// Contact points by pair and place.
+    pub(super) points: Vec<ContactPoint>,
+    pub(super) joints: Vec<JointPoint>,
+    /// What bends at joints.
+    pub(super) couples: Vec<(ContactPoint, Couple)>,
+}
+
 /// What takes most room in a case, for that of the next step.
 #[derive(Default)]
 pub(super) struct ProblemWorkspace {
@@ -84,10 +96,11 @@ impl ContactProblem {
     /// The contacts of a step of `dt` seconds, whose contact points have their gaps where fibres
     /// have the given mean velocities. What gives way has done so already under impulses as those
     /// of the step `before`, N s, world: along tangents only the rest of them moves it; along
-    /// normals the gap tells. Joints close.
+    /// normals the gap tells. Joints close; what bends at them is in no balance yet
+    /// ([`Self::bend`]).
     pub(super) fn new(
         system: &CoupledSystem,
-        (mut points, joints): (Vec<ContactPoint>, Vec<JointPoint>),
+        ContactLists { mut points, joints, couples }: ContactLists,
         mean: &FiberVelocities,
         dt: f64,
         laws: &ContactLaws,
@@ -150,6 +163,13 @@ impl ContactProblem {
             impulses.push(frame.tr_mul(&point.impulse));
             points.push(point);
         }
+        let mut levers = Vec::with_capacity(couples.len());
+        for (point, couple) in couples {
+            own.push(ContactParameters::couple(couple.compliance));
+            impulses.push(point.frame().tr_mul(&point.impulse));
+            points.push(point);
+            levers.push(couple);
+        }
         let acts = |point: &ContactPoint| point.working || point.impulse != Vector3::zeros();
         let openings = (points.len() > nodes.len()).then(|| {
             let speeds = points.par_iter().zip(&own).map(|(point, law)| {
@@ -172,6 +192,7 @@ impl ContactProblem {
         Ok(Self {
             points,
             listed,
+            couples: levers,
             laws: own,
             impulses,
             before,
@@ -284,7 +305,7 @@ impl ContactProblem {
                 index[place[i]][side] = point;
             }
         }
-        let of_side = |&(i, side): &ContactSide| linear.of_side(&self.points[i], side);
+        let of_side = |&(i, side): &ContactSide| self.of_side(i, side, &linear);
         let velocities: Vec<_> = sides.par_iter().map(of_side).collect();
         drop(fibers);
         let (laws, all) = (&self.laws, working.par_iter().zip(&index));
@@ -293,7 +314,7 @@ impl ContactProblem {
         self.solved.reserve_exact(working.len());
         solved.collect_into_vec(&mut self.solved);
         let mut impulses: Vec<_> = working.iter().map(|&i| self.impulses[i]).collect();
-        let points = each(&used, |i, side| rod_point(system, &self.points[i], side));
+        let points = each(&used, |i, side| self.rod_point(system, i, side));
         let levers = each(&on_objects, |i, side| self.points[i].lever(side));
         let mut free = system.free_bodies(&levers)?;
         let &Tolerance { residual, normal, slip, .. } = solver.tolerance();
@@ -339,11 +360,16 @@ impl ContactProblem {
 
     /// Impulses of the contacts that bear something or that the solver looked at last.
     pub(super) fn pushes(&self) -> impl Iterator<Item = ContactImpulse> + Clone {
-        self.working.iter().zip(&self.pushes).map(|(&i, push)| self.points[i].push(*push))
+        self.working.iter().zip(&self.pushes).map(|(&i, push)| match self.couple(i) {
+            None => self.points[i].push(*push),
+            Some(Couple { lever, .. }) => {
+                ContactImpulse { couple: true, ..self.points[i].push(lever * push) }
+            }
+        })
     }
 
     /// Writes the impulses into the contact points, and which of them the solver looked at last.
-    /// Returns those of joints, N s, world.
+    /// Returns those of joints, N s, and the moments of those of couples, N m s, world.
     pub(super) fn give_impulses(&mut self) -> Vec<Vector3<f64>> {
         self.points.par_iter_mut().for_each(|point| {
             (point.impulse, point.working) = (Vector3::zeros(), false);
@@ -351,7 +377,12 @@ impl ContactProblem {
         for (&i, push) in self.working.iter().zip(&self.pushes) {
             (self.points[i].impulse, self.points[i].working) = (*push, true);
         }
-        self.points[self.listed..].iter().map(|joint| joint.impulse).collect()
+        let joints = self.points.iter().enumerate().skip(self.listed);
+        let of_one = |(i, joint): (usize, &ContactPoint)| match self.couple(i) {
+            None => joint.impulse,
+            Some(Couple { lever, .. }) => lever * joint.impulse,
+        };
+        joints.map(of_one).collect()
     }
 
     /// Whether a contact bears something, pulls, or closes where things are so fast.
