@@ -1,4 +1,3 @@
-use super::load_history::{LoadHistory, Loads};
 use super::matrix::{JointMatrix, MatrixTerms};
 use super::network::Network;
 use super::node_joint::NodeJoint;
@@ -10,10 +9,9 @@ use rapunzel_rod_dynamic::{Energy, RodError, StaggeredBatch};
 pub struct JoinedFibers {
     pub(super) fibers: Fibers<StaggeredBatch>,
     pub(super) network: Network,
-    /// Loads of the joints at the end of the last step.
-    pub(super) loads: Loads,
-    /// Loads before those.
-    pub(super) history: LoadHistory,
+    /// Loads of the joints at the end of the last step, by group, N and N m: where the next step
+    /// starts from.
+    pub(super) loads: Vec<Vec<Vector3<f64>>>,
     /// The matrix of the joints that the last step was solved with, for the next one.
     pub(super) matrix: Option<JointMatrix>,
 }
@@ -33,8 +31,7 @@ impl JoinedFibers {
     ) -> Result<Self, CouplingError> {
         let network = Network::new(joints, &fibers)?;
         let loads = network.groups.iter().map(|group| vec![Vector3::zeros(); group.points.len()]);
-        let history = LoadHistory::default();
-        Ok(Self { loads: loads.collect(), history, fibers, network, matrix: None })
+        Ok(Self { loads: loads.collect(), fibers, network, matrix: None })
     }
 
     /// The fibres.
@@ -81,10 +78,9 @@ impl JoinedFibers {
 
     /// All numbers that change: lists that are made one at a time.
     pub fn save(&self) -> impl Iterator<Item = Vec<f64>> {
-        let mut numbers: Vec<f64> = self.loads.iter().flatten().flatten().copied().collect();
-        numbers.extend(self.history.numbers(numbers.len()));
-        numbers.extend(MatrixTerms::numbers(&self.network, self.matrix.as_ref()));
-        self.fibers.save().chain(std::iter::once(numbers))
+        let loads = self.loads.iter().flatten().flatten().copied();
+        let matrix = MatrixTerms::numbers(&self.network, self.matrix.as_ref());
+        self.fibers.save().chain(std::iter::once(loads.chain(matrix).collect()))
     }
 
     /// Goes back to saved numbers.
@@ -93,22 +89,19 @@ impl JoinedFibers {
     /// [`CouplingError::Restore`] if they are those of other fibres.
     pub fn restore(&mut self, saved: &[Vec<f64>]) -> Result<(), CouplingError> {
         let loads = self.loads.iter().flatten().flatten().count();
-        let history = LoadHistory::count(loads);
-        let numbers = loads + history + MatrixTerms::numbers(&self.network, None).len();
+        let numbers = loads + MatrixTerms::numbers(&self.network, None).len();
         let Some((joints, fibers)) = saved.split_last().filter(|(own, _)| own.len() == numbers)
         else {
             let found = saved.last().map_or(0, Vec::len);
             let what = "loads of joints";
             return Err(RodError::Length { what, expected: numbers, found }.into());
         };
-        let (loads, rest) = joints.split_at(loads);
-        let (history, terms) = rest.split_at(history);
+        let (loads, terms) = joints.split_at(loads);
         // It had an inverse when it was saved.
         let terms = MatrixTerms::of_numbers(&self.network, terms);
         let matrix = terms.and_then(|terms| JointMatrix::new(&self.network, terms).ok());
         self.fibers.restore(fibers)?;
         self.matrix = matrix;
-        self.history = LoadHistory::of_numbers(history, &self.loads).unwrap_or_default();
         let own = self.loads.iter_mut().flatten().flatten();
         own.zip(loads).for_each(|(own, saved)| *own = *saved);
         Ok(())

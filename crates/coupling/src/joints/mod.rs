@@ -10,7 +10,6 @@
 mod groups;
 mod joined_fibers;
 mod junction;
-mod load_history;
 mod matrix;
 mod network;
 mod node_joint;

@@ -90,15 +90,11 @@ impl JoinedFibers {
         if self.fibers.groups.iter().any(|group| group.batch.is_fresh()) {
             self.solve(time, dt, JoinedSolve::Start)?;
             self.accept(time, dt, JoinedSolve::Start)?;
-            self.history.forget();
         }
-        let start = self.loads.clone();
-        self.loads = self.history.foretold(&start, dt);
         let turns = self.turns();
         let stored = self.stored();
         let iterations = self.solve(time, dt, JoinedSolve::End)?;
         self.accept(time, dt, JoinedSolve::End)?;
-        self.history.note(start, dt);
         // What bends between fibres gains of the work of joints on them what it does not lose.
         let mut works = Ledger::default();
         let after = self.turns();
@@ -125,7 +121,7 @@ impl JoinedFibers {
             least = least.max(ROUNDINGS * f64::EPSILON * a.coords.norm() / link.length);
         }
         let turns = self.turns();
-        let Self { fibers, network, loads, matrix, .. } = self;
+        let Self { fibers, network, loads, matrix } = self;
         let groups = fibers.groups.par_iter_mut().zip(&network.groups).zip(&*loads);
         let set_out = groups.map(|((group, joints), loads)| {
             group.set_out_joined((time, dt), search, JointLoads { points: &joints.points, loads })
