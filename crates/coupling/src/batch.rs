@@ -29,14 +29,17 @@ pub trait RodBatch: Send + Sync {
     /// of `dt` (s), or lets it go.
     ///
     /// # Errors
-    /// [`RodError`] if the integrator cannot hold it.
+    /// [`RodError`] if the integrator cannot hold it, as most cannot.
     fn hold_node(
         &mut self,
-        lane: usize,
-        node: usize,
-        place: Option<Point3<f64>>,
-        dt: f64,
-    ) -> Result<(), RodError>;
+        _lane: usize,
+        _node: usize,
+        _place: Option<Point3<f64>>,
+        _dt: f64,
+    ) -> Result<(), RodError> {
+        let why = "the integrator of these rods holds no inner nodes";
+        Err(RodError::Invalid { what: "node", why })
+    }
     /// Gives the sections of the rod in a lane other laws.
     ///
     /// # Errors
@@ -176,17 +179,6 @@ impl<I: RodIntegrator + Sync> RodBatch for Rods<I> {
 
     fn set_node_forces(&mut self, lane: usize, forces: &[Vector3<f64>]) -> Result<(), RodError> {
         self.rods[lane].set_node_forces(forces)
-    }
-
-    fn hold_node(
-        &mut self,
-        _: usize,
-        _: usize,
-        _: Option<Point3<f64>>,
-        _: f64,
-    ) -> Result<(), RodError> {
-        let why = "rods that are stepped one after another hold no inner nodes";
-        Err(RodError::Invalid { what: "node", why })
     }
 
     fn set_laws(&mut self, _: usize, _: SectionLaws) -> Result<(), RodError> {

@@ -83,8 +83,10 @@ pub(crate) struct ContactImpulse {
     /// Levers, m, from the centers of mass of free objects and the axes of fibres to where the
     /// impulse acts; zero for kinematic objects.
     pub(crate) levers: [Vector3<f64>; 2],
-    /// Impulse on the first side, N s, world.
+    /// Impulse on the first side, N s, world; of a couple the moment of an impulse, N m s.
     pub(crate) impulse: Vector3<f64>,
+    /// Whether it turns segments of fibres without pushing them.
+    pub(crate) couple: bool,
 }
 
 /// A place along two fibres, in segments.
@@ -104,7 +106,7 @@ impl ContactPoint {
     pub(crate) fn push(&self, impulse: Vector3<f64>) -> ContactImpulse {
         let Self { sides, segments, fractions, .. } = *self;
         let levers = [0, 1].map(|side| self.lever(side));
-        ContactImpulse { sides, segments, fractions, levers, impulse }
+        ContactImpulse { sides, segments, fractions, levers, impulse, couple: false }
     }
 
     /// Whether a side is an object that moves freely.

@@ -24,7 +24,7 @@ mod time_interval;
 pub use batch::{RodBatch, Rods};
 pub use conditions::{BundleConditions, FiberConditions};
 pub use contact::{
-    ActiveContact, BallJoint, ContactWork, FibersInContact, JointPartner, Separation, separate,
+    ActiveContact, BallJoint, ContactJoints, ContactWork, FibersInContact, Separation, separate,
 };
 pub use contact_point::BodyRef;
 pub use contact_report::{ContactReport, Unresolved};

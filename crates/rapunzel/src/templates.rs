@@ -29,6 +29,7 @@ templates![
     "joined/net",
     "joined/braid",
     "joined/mobile",
+    "joined/chain",
     "contact/lock-on-ball",
     "contact/bundle-on-slope",
     "contact/bundle-on-terrain",

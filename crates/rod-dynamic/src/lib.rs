@@ -27,7 +27,7 @@ pub use ledger::Ledger;
 pub use linear::{Linearization, Mode, linearize};
 pub use load::Load;
 pub use moments::elastic_moments;
-pub use response::{ImpulseResponse, Impulses, Point, PointResponses};
+pub use response::{ImpulseResponse, Impulses, Point, PointAction, PointResponses};
 pub use rod::{Energy, Momentum, Rod, RodIntegrator, RodState, RodStepReport, SectionLaws};
 pub use staggered::{
     EquilibriumError, FittedFiber, Staggered, StaggeredBatch, StepVelocity,

@@ -30,24 +30,73 @@ impl<'a> Impulses<'a> {
     }
 }
 
-/// A point that moves with a segment of a fibre.
+/// A point that moves with a segment of a fibre, or a couple on one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Point {
     /// Index of the fibre in its batch.
     pub fiber: u32,
     /// Index of the segment.
     pub segment: u32,
-    /// Position on the segment, 0 at its root end and 1 at its tip end.
-    pub fraction: f64,
-    /// From the axis to the point, m, world; zero for a point on the axis.
-    pub arm: Vector3<f64>,
+    /// What an impulse does to the segment.
+    pub action: PointAction,
+}
+
+/// What an impulse on a point does to its segment, and which velocity of it is meant.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum PointAction {
+    /// It acts at a place, and the velocity is that of the place.
+    Force {
+        /// Position on the segment, 0 at its root end and 1 at its tip end.
+        fraction: f64,
+        /// From the axis to the place, m, world; zero for a place on the axis.
+        arm: Vector3<f64>,
+    },
+    /// An impulse `P` is the moment `lever P` of an impulse, without a force, and the velocity is
+    /// `lever^T w` for the mean angular velocity `w` of the segment.
+    Couple {
+        /// m, world.
+        lever: Matrix3<f64>,
+    },
 }
 
 impl Point {
     /// A point on the axis of a fibre.
     #[must_use]
     pub fn on_axis(fiber: u32, segment: u32, fraction: f64) -> Self {
-        Self { fiber, segment, fraction, arm: Vector3::zeros() }
+        Self::beside_axis(fiber, segment, fraction, Vector3::zeros())
+    }
+
+    /// A point at an arm, m, world, from the axis of a fibre.
+    #[must_use]
+    pub fn beside_axis(fiber: u32, segment: u32, fraction: f64, arm: Vector3<f64>) -> Self {
+        Self { fiber, segment, action: PointAction::Force { fraction, arm } }
+    }
+
+    /// Parts of an impulse on the nodes before and behind the segment; none of a couple.
+    #[must_use]
+    pub fn shares(&self) -> [f64; 2] {
+        match self.action {
+            PointAction::Force { fraction, .. } => [1.0 - fraction, fraction],
+            PointAction::Couple { .. } => [0.0; 2],
+        }
+    }
+
+    /// Moment of an impulse (N s) about the axis of the segment, N m s.
+    #[must_use]
+    pub fn moment(&self, impulse: &Vector3<f64>) -> Vector3<f64> {
+        match &self.action {
+            PointAction::Force { arm, .. } => arm.cross(impulse),
+            PointAction::Couple { lever } => lever * impulse,
+        }
+    }
+
+    /// What an angular velocity of the segment, rad/s, adds to the velocity, m/s.
+    #[must_use]
+    pub fn turned(&self, spin: &Vector3<f64>) -> Vector3<f64> {
+        match &self.action {
+            PointAction::Force { arm, .. } => spin.cross(arm),
+            PointAction::Couple { lever } => lever.tr_mul(spin),
+        }
     }
 }
 
@@ -68,8 +117,8 @@ pub struct PointResponses {
 /// fraction `f` of a segment is `(1 - f) P` on the node before and `f P` on the node behind, and
 /// the velocity there is interpolated alike; beside the axis, at an arm `a`, the impulse has the
 /// moment `a x P` about it too, and the velocity the part `w x a` of the segment's mean angular
-/// velocity `w`. Vectors are in the world frame; arrays hold the nodes of the first fibre, then
-/// those of the second, and so on.
+/// velocity `w`. A couple is the moment alone. Vectors are in the world frame; arrays hold the
+/// nodes of the first fibre, then those of the second, and so on.
 pub trait ImpulseResponse {
     /// Number of nodes of all fibres together: the length of the arrays.
     fn nodes(&self) -> usize;

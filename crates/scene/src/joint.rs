@@ -102,11 +102,6 @@ impl Scene {
         for (i, bundle) in self.fibers.iter().enumerate() {
             let Some(closing) = &bundle.closed else { continue };
             check.within(&format!("fibers[{i}]"), |c| {
-                if self.contact.is_some() {
-                    let message = "cannot be given with `contact`, where joints are balls: leave one of them \
-                                   out, or join tip and root in `joints` with `hold: Ball`";
-                    c.refuse("closed", message.into());
-                }
                 c.within("closed", |c| {
                     c.number("turns", closing.turns, Allowed::Finite, "");
                     for end in [JointNode::Root, JointNode::Tip] {
@@ -125,13 +120,6 @@ impl Scene {
         check.each("joints", &self.joints, |c, joint| {
             for (field, place) in [("first", joint.first), ("second", joint.second)] {
                 self.check_joined(c, field, place);
-            }
-            if self.contact.is_some() && joint.hold != JointHold::Ball {
-                let message = format!(
-                    "is {:?}, but with `contact` joints must be Ball; take that, or leave `contact` out",
-                    joint.hold
-                );
-                c.refuse("hold", message);
             }
             let ends = joint.first.at == JointNode::Tip && joint.second.at == JointNode::Root;
             if joint.hold == JointHold::Spliced && !ends {

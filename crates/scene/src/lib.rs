@@ -114,7 +114,7 @@ pub struct Scene {
     /// A mass-spring system in place of fibres.
     #[serde(default)]
     pub mass_spring: Option<MassSpring>,
-    /// Joints between fibres; with `contact` they must be balls.
+    /// Joints between fibres.
     #[serde(default)]
     pub joints: Vec<FiberJoint>,
     /// Ball joints between fibres and objects, with `contact`.

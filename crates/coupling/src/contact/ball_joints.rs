@@ -1,42 +1,47 @@
-//! Ball joints of fibres that touch: contact points that hold in all directions.
+//! Joints of fibres that touch: contact points that hold nodes together in all directions.
 //!
 //! To the solver a joint is one more contact, whose law lets it bear any impulse: that with which
-//! the gap that the step would leave is closed where it ends. Parts of fibres beside a joint do not
-//! touch each other: their surfaces overlap there.
+//! the gap that the step would leave is closed where it ends. What bends at joints that are no
+//! balls is in `junctions`. Parts of fibres beside a joint do not touch each other: their surfaces
+//! overlap there.
 
-use super::node_arrays::FiberVelocities;
+use super::junctions::ContactJunctions;
 use super::system::CoupledSystem;
 use crate::contact_point::{BodyRef, ContactImpulse, ContactPoint};
 use crate::joints::refuse_repeated;
 use crate::object::ObjectMotion;
-use crate::{CouplingError, FiberPlace, TimeInterval};
+use crate::{Connection, CouplingError, FiberPlace, NodeJoint, TimeInterval};
 use nalgebra::{Point3, Vector3};
 use rapunzel_collision::Pair;
 
-/// Largest gap of a joint at the start, in lengths of its fibres.
-const LARGEST_GAP: f64 = 1e-9;
 /// Segments that are nearer to a joint than this, along both fibres, in sums of both radii, do not
 /// touch each other: they are in each other where they meet at 30 degrees.
 const NEAR_JOINT: f64 = 4.0;
 
-/// A ball joint between a node and something else, at the place where the node starts.
+/// A ball joint between a node and an object, at the place where the node starts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BallJoint {
-    /// What errors call it.
-    pub name: String,
     /// The node.
     pub place: FiberPlace,
-    /// What it is joined to.
-    pub partner: JointPartner,
+    /// Index of the object.
+    pub object: usize,
 }
 
-/// What a node is joined to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum JointPartner {
-    /// Another node, at the same place.
-    Fiber(FiberPlace),
-    /// The object with this index, where the node starts.
-    Object(usize),
+/// Joints of fibres in contact.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ContactJoints<'a> {
+    /// Those between fibres.
+    pub fibers: &'a [NodeJoint],
+    /// Those of fibres with objects.
+    pub objects: &'a [BallJoint],
+}
+
+impl ContactJoints<'_> {
+    /// Number of impulses that they bear: of nodes, and of what bends between fibres.
+    pub(super) fn impulses(&self) -> usize {
+        let bends = self.fibers.iter().filter(|joint| joint.connection != Connection::Ball);
+        self.fibers.len() + self.objects.len() + bends.count()
+    }
 }
 
 /// A node as a place of a segment.
@@ -57,10 +62,12 @@ enum JoinedSide {
     Object(u32, Point3<f64>),
 }
 
-/// All ball joints.
+/// All joints.
 #[derive(Debug, Default)]
 pub(super) struct BallJoints {
     joints: Vec<(JoinedNode, JoinedSide)>,
+    /// What bends between fibres that they join.
+    pub(super) junctions: ContactJunctions,
     /// Pairs of segments that do not touch each other, the smaller first, sorted.
     beside: Vec<Pair>,
     /// Fibres and objects that are joined, sorted, with the segments that do not touch the object.
@@ -78,68 +85,68 @@ impl BallJoints {
     /// Joints between what lies at one place.
     ///
     /// # Errors
-    /// [`CouplingError::JointOpen`] for nodes that do not.
-    pub(super) fn new(joints: &[BallJoint], system: &CoupledSystem) -> Result<Self, CouplingError> {
-        let assembly = system.fibers.assembly();
-        let layout = assembly.layout();
-        let between = joints.iter().filter_map(|joint| match joint.partner {
-            JointPartner::Fiber(place) => Some((&*joint.name, [joint.place, place])),
-            JointPartner::Object(_) => None,
-        });
-        refuse_repeated(between)?;
+    /// [`CouplingError::JointOpen`] for nodes that do not, [`CouplingError::JointTwice`] for joints
+    /// between nodes that others join already.
+    pub(super) fn new(
+        ContactJoints { fibers, objects }: ContactJoints,
+        system: &CoupledSystem,
+    ) -> Result<Self, CouplingError> {
+        refuse_repeated(fibers)?;
         let mut all = Self::default();
-        for joint in joints {
-            let first = joined_node(system, joint.place);
-            let at = system.fibers.node(joint.place.fiber, Some(joint.place.node)).0;
-            let second = match joint.partner {
-                JointPartner::Object(object) => {
-                    let pose = system.objects[object].pose(system.start);
-                    JoinedSide::Object(number(object), pose.inverse_transform_point(&at))
-                }
-                JointPartner::Fiber(place) => {
-                    let other = system.fibers.node(place.fiber, Some(place.node)).0;
-                    let lengths = [joint.place, place].map(|p| assembly.fibers()[p.fiber].length());
-                    let (gap, most) =
-                        ((at - other).norm(), LARGEST_GAP * lengths[0].max(lengths[1]));
-                    if gap > most {
-                        let places = [at, other].map(|place| place.coords.into());
-                        let joint = joint.name.clone();
-                        return Err(CouplingError::JointOpen { joint, gap, most, places });
-                    }
-                    JoinedSide::Node(joined_node(system, place))
-                }
-            };
-            all.joints.push((first, second));
-            let near = near_segments(system, joint.place);
-            match joint.partner {
-                JointPartner::Object(object) => {
-                    let from = layout.segment_range(joint.place.fiber).start;
-                    let collided = &system.objects[object];
-                    let place = collided.pose(system.start).inverse_transform_point(&at);
-                    let depth = (-collided.field().value(&place)).max(0.0);
-                    let reach = depth + 2.0 * NEAR_JOINT * assembly.radii()[from];
-                    let own = near.iter().filter(|(_, way)| *way <= reach);
-                    let own = own.map(|(segment, _)| segment - number(from));
-                    let [low, high] = [own.clone().min(), own.max()].map(Option::unwrap_or_default);
-                    all.beside_objects.push((first.fiber, number(object), [low, high]));
-                }
-                JointPartner::Fiber(place) => {
-                    let radii = [joint.place.fiber, place.fiber]
-                        .map(|fiber| assembly.radii()[layout.segment_range(fiber).start]);
-                    let reach = NEAR_JOINT * (radii[0] + radii[1]);
-                    for (a, own) in &near {
-                        for (b, other) in near_segments(system, place) {
-                            if own + other <= reach {
-                                all.beside.push([*a.min(&b), *a.max(&b)]);
-                            }
-                        }
-                    }
-                }
-            }
+        for joint in fibers {
+            joint.check_closed(system.fibers)?;
+            let [first, second] = joint.places.map(|place| joined_node(system, place));
+            all.joints.push((first, JoinedSide::Node(second)));
+            all.part_fibers(system, joint.places);
+        }
+        for &BallJoint { place, object } in objects {
+            let at = system.fibers.node(place.fiber, Some(place.node)).0;
+            let pose = system.objects[object].pose(system.start);
+            let within = pose.inverse_transform_point(&at);
+            let side = JoinedSide::Object(number(object), within);
+            all.joints.push((joined_node(system, place), side));
+            all.part_from_object(system, place, object, &within);
         }
         all.beside.sort_unstable();
         all.beside_objects.sort_unstable();
+        all.junctions = ContactJunctions::new(fibers, system);
         Ok(all)
+    }
+
+    /// Notes the segments beside a joint of two nodes.
+    fn part_fibers(&mut self, system: &CoupledSystem, places: [FiberPlace; 2]) {
+        let assembly = system.fibers.assembly();
+        let radius = |place: FiberPlace| {
+            assembly.radii()[assembly.layout().segment_range(place.fiber).start]
+        };
+        let reach = NEAR_JOINT * (radius(places[0]) + radius(places[1]));
+        let [near, others] = places.map(|place| near_segments(system, place));
+        for (a, own) in &near {
+            for (b, other) in &others {
+                if own + other <= reach {
+                    self.beside.push([*a.min(b), *a.max(b)]);
+                }
+            }
+        }
+    }
+
+    /// Notes the segments beside a joint of a node with an object, at a place in its frame.
+    fn part_from_object(
+        &mut self,
+        system: &CoupledSystem,
+        place: FiberPlace,
+        object: usize,
+        within: &Point3<f64>,
+    ) {
+        let assembly = system.fibers.assembly();
+        let from = assembly.layout().segment_range(place.fiber).start;
+        let depth = (-system.objects[object].field().value(within)).max(0.0);
+        let reach = depth + 2.0 * NEAR_JOINT * assembly.radii()[from];
+        let near = near_segments(system, place);
+        let own = near.iter().filter(|(_, way)| *way <= reach);
+        let own = own.map(|(segment, _)| segment - number(from));
+        let [low, high] = [own.clone().min(), own.max()].map(Option::unwrap_or_default);
+        self.beside_objects.push((number(place.fiber), number(object), [low, high]));
     }
 
     /// Whether there is none.
@@ -166,14 +173,16 @@ impl BallJoints {
         self.joints.iter().flat_map(|(first, second)| [BodyRef::Fiber(first.fiber), side(second)])
     }
 
-    /// What joints do with impulses on their first sides, N s, world, where a step starts.
+    /// What joints do with impulses on their first sides, N s, and with moments of impulses there,
+    /// N m s, world, where a step starts.
     pub(super) fn pushes(
         &self,
         system: &CoupledSystem,
         impulses: &[Vector3<f64>],
     ) -> Vec<ContactImpulse> {
-        let each = self.joints.iter().zip(impulses);
-        each.map(|(&(first, second), impulse)| {
+        let (own, moments) = impulses.split_at(self.joints.len());
+        let each = self.joints.iter().zip(own);
+        let pushes = each.map(|(&(first, second), impulse)| {
             let (other, lever) = match second {
                 JoinedSide::Node(other) => (Some(other), Vector3::zeros()),
                 JoinedSide::Object(object, place) => {
@@ -190,28 +199,27 @@ impl BallJoints {
                 fractions: [first.fraction, other.map_or(0.0, |node| node.fraction)],
                 levers: [Vector3::zeros(), lever],
                 impulse: *impulse,
+                couple: false,
             }
-        })
-        .collect()
+        });
+        pushes.chain(self.junctions.pushes(moments)).collect()
     }
 
-    /// Joints at the end of a step as it has been solved so far, with the mean velocities of
-    /// fibres, that bear these impulses on their first sides, N s, world.
+    /// Joints at the end of a step as it has been solved so far, that bear these impulses on their
+    /// first sides, N s, world.
     pub(super) fn points(
         &self,
         system: &CoupledSystem,
         step: TimeInterval,
-        mean: &FiberVelocities,
         impulses: &[Vector3<f64>],
     ) -> Vec<JointPoint> {
         if self.joints.is_empty() {
             return Vec::new();
         }
-        let start = system.fibers.positions();
-        let end = |node: usize| start[node] + step.length * mean.nodes[node];
+        let ends = system.fibers.end_positions();
         let axis = |node: &JoinedNode| {
             let root = node.node - usize::from(node.fraction > 0.0);
-            end(root + 1) - end(root)
+            ends[root + 1] - ends[root]
         };
         let each = self.joints.iter().zip(impulses);
         each.map(|((first, second), impulse)| {
@@ -235,7 +243,7 @@ impl BallJoints {
                 JoinedSide::Node(other) => {
                     (point.segments[1], point.fractions[1]) = (other.segment, other.fraction);
                     point.arms[1] = axis(&other);
-                    end(other.node)
+                    ends[other.node]
                 }
                 JoinedSide::Object(object, place) => {
                     let object = &system.objects[object as usize];
@@ -254,7 +262,7 @@ impl BallJoints {
                     after
                 }
             };
-            JointPoint { gap: end(first.node) - place, point }
+            JointPoint { gap: ends[first.node] - place, point }
         })
         .collect()
     }

@@ -4,7 +4,7 @@ use super::delassus::{DelassusProduct, FiberDelassus, InertiaKind};
 use nalgebra::{Matrix3, Vector3};
 use pulp::Arch;
 use rapunzel_contact::{Body, ContactError, DelassusBlocks};
-use rapunzel_rod_dynamic::{ImpulseResponse, Point, RodError, StaggeredBatch};
+use rapunzel_rod_dynamic::{ImpulseResponse, Point, PointAction, RodError, StaggeredBatch};
 
 /// Multiplications that a pass over a segment costs, and lanes that a pass serves at once: what a
 /// product with matrices that are written out has to beat.
@@ -144,14 +144,19 @@ impl Body for GroupBody<'_> {
         let answered = self.batch.diagonal_blocks(&mut blocks, &mut turns);
         debug_assert!(answered.is_ok(), "there is a block for each node and segment");
         for (trace, point) in traces.iter_mut().zip(self.points) {
-            let Point { fiber, segment, fraction, arm } = *point;
+            let Point { fiber, segment, action } = *point;
             let segment = segment as usize;
             let first = fiber as usize * nodes + segment;
-            let [before, behind] = [first, first + 1].map(|i| blocks[i].trace());
-            // Of the rotation `T` the trace of `hat(a)^T T hat(a)`.
             let turn = &turns[fiber as usize * (nodes - 1) + segment];
-            let beside = arm.norm_squared() * turn.trace() - arm.dot(&(turn * arm));
-            *trace = before + fraction * (behind - before) + beside;
+            *trace = match action {
+                PointAction::Force { fraction, arm } => {
+                    let [before, behind] = [first, first + 1].map(|i| blocks[i].trace());
+                    // Of the rotation `T` the trace of `hat(a)^T T hat(a)`.
+                    let beside = arm.norm_squared() * turn.trace() - arm.dot(&(turn * arm));
+                    before + fraction * (behind - before) + beside
+                }
+                PointAction::Couple { lever } => (lever.tr_mul(turn) * lever).trace(),
+            };
         }
     }
 
@@ -212,10 +217,11 @@ mod tests {
         let mut batch = batch(count);
 
         let points = [(2, 24, 1.0), (0, 5, 0.5), (2, 7, 0.3), (0, 5, 0.6), (0, 0, 0.0)].map(
-            |(fiber, segment, fraction)| Point {
+            |(fiber, segment, fraction)| {
                 // The first is on the axis.
-                arm: if segment == 24 { Vector3::zeros() } else { Vector3::new(0.0, 3e-5, 1e-5) },
-                ..Point::on_axis(fiber, segment, fraction)
+                let arm =
+                    if segment == 24 { Vector3::zeros() } else { Vector3::new(0.0, 3e-5, 1e-5) };
+                Point::beside_axis(fiber, segment, fraction, arm)
             },
         );
         let mass = batch.rods()[0].fiber.mass();

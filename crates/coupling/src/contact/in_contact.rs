@@ -1,4 +1,4 @@
-use super::ball_joints::BallJoint;
+use super::ball_joints::ContactJoints;
 use super::contact_work::ContactWork;
 use super::stepper::ContactStepper;
 use super::system::CoupledSystem;
@@ -8,7 +8,7 @@ use crate::contact_report::ContactReport;
 use crate::phase_times::Stopwatch;
 use crate::{CouplingError, Fibers, StepReport, Surroundings};
 use nalgebra::Vector3;
-use rapunzel_rod_dynamic::{RodError, StaggeredBatch};
+use rapunzel_rod_dynamic::{Energy, RodError, StaggeredBatch};
 use rapunzel_scene::ContactSettings;
 
 /// Fibres with all contacts among them and with objects.
@@ -18,12 +18,12 @@ pub struct FibersInContact {
 }
 
 impl FibersInContact {
-    /// Fibres that are to touch each other and the objects around them, with ball joints.
+    /// Fibres that are to touch each other and the objects around them, with joints.
     ///
     /// # Errors
     /// [`CouplingError::Overlap`] for what starts too deep in each other,
-    /// [`CouplingError::JointOpen`] for joints that start open, and errors of detection and of
-    /// settings.
+    /// [`CouplingError::JointOpen`] for joints that start open, [`CouplingError::JointTwice`] for
+    /// those between nodes that others join already, and errors of detection and of settings.
     ///
     /// # Panics
     /// If a joint is of a node or an object that is not there, as indexing does.
@@ -31,7 +31,7 @@ impl FibersInContact {
         settings: ContactSettings,
         mut fibers: Fibers<StaggeredBatch>,
         around: &mut Surroundings,
-        joints: &[BallJoint],
+        joints: ContactJoints,
     ) -> Result<Self, CouplingError> {
         let system = CoupledSystem::new(&mut fibers, around);
         let stepper = ContactStepper::new(settings, &system, joints)?;
@@ -63,6 +63,15 @@ impl FibersInContact {
         let mut system = CoupledSystem::new(&mut self.fibers, around);
         // A step has thousands of parallel loops: a thread outside the pool would sleep at each.
         rayon::scope(|_| self.stepper.step_in_substeps(&mut system, dt))
+    }
+
+    /// Energy of all fibres and of what bends between those that are joined, J, in a gravity,
+    /// m/s^2.
+    #[must_use]
+    pub fn energy(&self, gravity: &Vector3<f64>) -> Energy {
+        let mut sum = self.fibers.energy(gravity);
+        sum.elastic += self.stepper.detector.joints.junctions.stored(&self.fibers);
+        sum
     }
 
     /// What touched in the last part of a step, with what force: by its two sides, fibres first,

@@ -107,7 +107,9 @@ impl ContactStepper {
         let last = part.turns.iter_mut().zip(&turns).zip(still);
         last.filter(|(_, still)| !**still).for_each(|((last, turn), _)| *last = *turn);
         laps.lap(&mut self.times.rods);
-        let found = case.certificate(system, &case.velocities(system, StepVelocity::Mean));
+        let mean = case.velocities(system, StepVelocity::Mean);
+        self.bend(system, case, &mean, part.dt);
+        let found = case.certificate(system, &mean);
         case.set_error(self.tolerance(part.dt).error(&found));
         laps.lap(&mut self.times.laws);
         part.report.iterations += system.fibers.assembly().fibers().len();

@@ -53,10 +53,17 @@ impl Fibers<StaggeredBatch> {
     /// Positions of all nodes at the start of the step under way and where it has been solved to,
     /// and how flat sections lie then.
     pub(super) fn ends(&self, shapes: &SectionShapes) -> StepEnds {
-        let mut end = self.positions.take(self.assembly().layout().nodes(), Point3::origin());
+        let (start, end) = (self.positions(), self.end_positions());
+        StepEnds { start, end, directors: self.directors(shapes) }
+    }
+
+    /// Positions of all nodes where the step under way has been solved to, in the order of the
+    /// assembly.
+    pub(super) fn end_positions(&self) -> PooledArray<Point3<f64>> {
+        let mut all = self.positions.take(self.assembly().layout().nodes(), Point3::origin());
         let range = |fiber| self.assembly().layout().node_range(fiber);
-        self.gather(&mut end, range, |_, batch, own| batch.end_positions(own));
-        StepEnds { start: self.positions(), end, directors: self.directors(shapes) }
+        self.gather(&mut all, range, |_, batch, own| batch.end_positions(own));
+        all
     }
 
     /// Velocities of the step under way, of all fibres or of what is `touched`.
@@ -184,6 +191,10 @@ impl Fibers<StaggeredBatch> {
                 }
                 let ((node, first), segment) =
                     (starts[fiber as usize], push.segments[side] as usize);
+                if push.couple {
+                    segments[first + segment] += impulse;
+                    continue;
+                }
                 nodes[node + segment] += impulse * (1.0 - push.fractions[side]);
                 nodes[node + segment + 1] += impulse * push.fractions[side];
                 segments[first + segment] += push.levers[side].cross(&impulse);

@@ -1,28 +1,20 @@
 use super::adhesive_film::AdhesiveFilm;
-use super::ball_joints::{BallJoint, BallJoints};
-use super::detection::{ContactDetector, Overlaps};
+use super::ball_joints::{BallJoints, ContactJoints};
+use super::detection::ContactDetector;
 use super::forcing_term::ForcingTerm;
 use super::initial_overlaps;
-use super::laws::ContactLaws;
 use super::leaps::refuse_leaps;
-use super::node_arrays::FiberVelocities;
-use super::problem::{ContactProblem, ProblemWorkspace};
+use super::problem::ProblemWorkspace;
 use super::sections::SectionShapes;
 use super::substep::Substep;
 use super::substep_failure::{SubstepFailure, lost};
 use super::system::CoupledSystem;
-use super::touched_parts::TouchedParts;
-use super::warm_start::{
-    CachedImpulse, ExpectedImpulses, WarmStart, bonds_within, cache_impulses, cached_impulses,
-    match_cached,
-};
+use super::warm_start::{CachedImpulse, ExpectedImpulses, WarmStart, bonds_within, cache_impulses};
 use crate::contact_point::{ContactPoint, merged};
 use crate::contact_report::Unresolved;
-use crate::held_places::{HeldPlace, HeldPlaces};
 use crate::phase_times::{ContactTimes, PhaseTimer, Stopwatch};
 use crate::{CouplingError, FiberGroup, StepReport, TimeInterval};
 use nalgebra::Vector3;
-use rapunzel_collision::CollisionError;
 use rapunzel_contact::{Admm, ContactSolver, Polished, Tolerance};
 use rapunzel_rod_dynamic::{Impulses, StepVelocity};
 use rapunzel_scene::{Adhesion, ContactMethod, ContactSettings};
@@ -35,9 +27,6 @@ pub(super) const PATIENCE: usize = 3;
 const MARGIN: f64 = 0.5;
 /// Radii by which the first list of a step, of where it is expected to lead, is wider.
 const WIDE: f64 = 0.5;
-/// How much deeper, in the depth that is allowed, a fibre may be beside where it rests on an
-/// object: less than what is worth a contact of its own.
-const HELD: f64 = 0.25;
 /// Most halvings of a step.
 const MOST_HALVINGS: u32 = 6;
 
@@ -45,7 +34,7 @@ const MOST_HALVINGS: u32 = 6;
 pub(super) struct ContactStepper {
     pub(super) settings: ContactSettings,
     pub(super) film: Option<AdhesiveFilm>,
-    detector: ContactDetector,
+    pub(super) detector: ContactDetector,
     pub(super) solver: ContactSolver,
     /// Sections of all segments.
     pub(super) shapes: SectionShapes,
@@ -54,7 +43,7 @@ pub(super) struct ContactStepper {
     /// Bonds at the start of a run.
     bonds: Vec<CachedImpulse>,
     /// Contact points of the last substep, whose memory the next list takes.
-    points: Vec<ContactPoint>,
+    pub(super) points: Vec<ContactPoint>,
     /// Workspace of the last contact problem.
     room: ProblemWorkspace,
     /// Time that phases of the step at hand have taken.
@@ -70,7 +59,7 @@ impl ContactStepper {
     pub(super) fn new(
         settings: ContactSettings,
         system: &CoupledSystem,
-        joints: &[BallJoint],
+        joints: ContactJoints,
     ) -> Result<Self, CouplingError> {
         let assembly = system.fibers.assembly();
         let shapes = SectionShapes::new(assembly);
@@ -101,7 +90,7 @@ impl ContactStepper {
             room: ProblemWorkspace::default(),
             times: ContactTimes::default(),
             memory: WarmStart {
-                joints: vec![Vector3::zeros(); joints.len()],
+                joints: vec![Vector3::zeros(); joints.impulses()],
                 ..WarmStart::default()
             },
             stopwatch: None,
@@ -198,7 +187,9 @@ impl ContactStepper {
         };
         match &solved {
             Ok(()) => {
-                system.accept(time, dt);
+                let junctions = &self.detector.joints.junctions;
+                let works = junctions.works(system.fibers, part.work_of_couples, dt);
+                system.accept(time, dt, &works);
                 system.take_off(&self.points, &self.detector.joints);
                 cache_impulses(&self.points, &mut known);
             }
@@ -230,6 +221,7 @@ impl ContactStepper {
     ) -> Result<(), SubstepFailure> {
         let (time, dt) = (part.time, part.dt);
         self.detector.hide(system.in_nozzles(time + dt));
+        self.detector.joints.junctions.set_out(system.fibers);
         let mut laps = PhaseTimer::start(self.stopwatch);
         let joints = self.detector.joints.pushes(system, &self.memory.joints);
         let pushes = || expected.pushes().chain(joints.iter().copied());
@@ -258,6 +250,7 @@ impl ContactStepper {
             let mut laps = PhaseTimer::start(self.stopwatch);
             let mean = case.velocities(system, StepVelocity::Mean);
             part.work = case.work(system, &mean, dt, self.settings.slip);
+            part.work_of_couples = case.work_of_couples(system, &mean);
             laps.lap(&mut self.times.laws);
             let report = &mut part.report.contact;
             (report.listed, report.active) = (case.points().len(), case.active());
@@ -313,87 +306,7 @@ impl ContactStepper {
     }
 
     /// How deep may be what is not worth a contact of its own, m.
-    fn shallow(&self) -> f64 {
+    pub(super) fn shallow(&self) -> f64 {
         0.5 * self.depth()
-    }
-
-    /// The problem of contact points that were listed where the step has been solved to, and mean
-    /// velocities there of what they touch. From now on no impulses act but theirs.
-    fn case(
-        &mut self,
-        system: &mut CoupledSystem,
-        part: &Substep,
-        expected: &ExpectedImpulses,
-        points: Vec<ContactPoint>,
-        room: ProblemWorkspace,
-    ) -> Result<(ContactProblem, FiberVelocities), SubstepFailure> {
-        let mut laps = PhaseTimer::start(self.stopwatch);
-        let gravity = system.environment.gravity_at(part.time + 0.5 * part.dt).norm();
-        let laws =
-            ContactLaws::new(&self.settings, self.film.as_ref(), system.objects, gravity, part.dt);
-        let gives = self.settings.compliance > 0.0;
-        let before = if gives { cached_impulses(expected, &points) } else { Vec::new() };
-        let step = TimeInterval { start: part.time, length: part.dt };
-        let alone = self.detector.joints.is_empty();
-        let touched = alone.then(|| TouchedParts::new(system.fibers, &points)).flatten();
-        let mean = system.fibers.velocities(StepVelocity::Mean, touched.as_ref());
-        let joints = self.detector.joints.points(system, step, &mean, &self.memory.joints);
-        let points = (points, joints, touched);
-        let case = ContactProblem::new(system, points, &mean, part.dt, &laws, before, room)?;
-        laps.lap(&mut self.times.laws);
-        system.push(case.pushes(), part.time, part.dt)?;
-        system.fibers.with_impulses(&part.all(), case.pushes(), |group, own| group.press(own))?;
-        laps.lap(&mut self.times.rods);
-        Ok((case, mean))
-    }
-
-    /// Lists the contact points where the step leads, with the impulses expected of them.
-    fn list(
-        &mut self,
-        system: &CoupledSystem,
-        part: &Substep,
-        expected: &ExpectedImpulses,
-    ) -> Result<Vec<ContactPoint>, CollisionError> {
-        let mut laps = PhaseTimer::start(self.stopwatch);
-        let mut points = std::mem::take(&mut self.points);
-        let ends = system.fibers.ends(&self.shapes);
-        let motion = part.motion(system, &self.shapes, &ends);
-        let held: Vec<HeldPlace> = expected.held_places().collect();
-        let held = HeldPlaces { places: &held, slack: HELD * self.depth() };
-        self.detector.detect(&motion, system.objects, &held, &mut points)?;
-        match_cached(expected, &mut points);
-        motion.sections.settle(motion.layout, part.dt, &mut points);
-        laps.lap(&mut self.times.detection);
-        Ok(points)
-    }
-
-    /// Lists what overlaps where the substep has been solved to, with such contacts; how deep at
-    /// most is told where these do not give way.
-    fn look_at_end(
-        &mut self,
-        system: &CoupledSystem,
-        part: &Substep,
-        bearing: &[ContactPoint],
-    ) -> Result<Overlaps, CollisionError> {
-        let mut laps = PhaseTimer::start(self.stopwatch);
-        let ends = system.fibers.ends(&self.shapes);
-        let motion = part.motion(system, &self.shapes, &ends);
-        let shallow = self.shallow();
-        let mut found = self.detector.overlaps(&motion, system.objects, shallow)?;
-        if self.settings.compliance > 0.0 {
-            // What is not listed is no deeper.
-            let mut known = Vec::new();
-            cache_impulses(bearing, &mut known);
-            let impulses =
-                cached_impulses(&ExpectedImpulses { known: &known, scale: 1.0 }, &found.points);
-            let gives = self.settings.compliance / part.dt;
-            let depth = |(point, impulse): (&ContactPoint, Vector3<f64>)| {
-                -point.gap - gives * impulse.dot(&point.normal)
-            };
-            let depths = found.points.iter().zip(impulses).map(depth);
-            found.deepest = depths.fold(found.deepest.min(shallow), f64::max);
-        }
-        laps.lap(&mut self.times.detection);
-        Ok(found)
     }
 }

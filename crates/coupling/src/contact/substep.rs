@@ -12,6 +12,8 @@ pub(super) struct Substep {
     pub(super) time: f64,
     pub(super) dt: f64,
     pub(super) work: ContactWork,
+    /// Work of couples on fibres, J.
+    pub(super) work_of_couples: f64,
     pub(super) report: StepReport,
     /// Largest last increment of Newton's method, by group, rad.
     pub(super) turns: Vec<f64>,
@@ -21,7 +23,8 @@ impl Substep {
     /// The substep that starts at `time` and takes `dt`, s, of a number of groups of fibres.
     pub(super) fn new(time: f64, dt: f64, groups: usize) -> Self {
         let (work, report) = (ContactWork::default(), StepReport::default());
-        Self { time, dt, work, report, turns: vec![f64::INFINITY; groups] }
+        let turns = vec![f64::INFINITY; groups];
+        Self { time, dt, work, work_of_couples: 0.0, report, turns }
     }
 
     /// That no group is still.

@@ -51,11 +51,12 @@ impl<'a> CoupledSystem<'a> {
     }
 
     /// Makes the step from `time` by `dt`, s, that has been solved the state of all groups and
-    /// objects, and records it.
-    pub(super) fn accept(&mut self, time: f64, dt: f64) {
+    /// objects, and records it with the works of joints.
+    pub(super) fn accept(&mut self, time: f64, dt: f64, joints: &Ledger) {
         self.fibers.groups.par_iter_mut().for_each(|group| group.batch.accept());
-        let objects = self.accept_bodies(time, dt);
-        self.fibers.record(&objects);
+        let mut works = self.accept_bodies(time, dt);
+        works += *joints;
+        self.fibers.record(&works);
     }
 
     /// Takes all groups back to before the step.

@@ -17,8 +17,11 @@ pub(super) struct TouchedParts {
 impl TouchedParts {
     /// What some contact points touch; `None` where there are so many that to look at all fibres
     /// costs less.
-    pub(super) fn new(fibers: &Fibers<StaggeredBatch>, points: &[ContactPoint]) -> Option<Self> {
-        if CROWDED * points.len() > fibers.assembly().layout().segments() {
+    pub(super) fn new<'a>(
+        fibers: &Fibers<StaggeredBatch>,
+        points: impl Iterator<Item = &'a ContactPoint> + Clone,
+    ) -> Option<Self> {
+        if CROWDED * points.clone().count() > fibers.assembly().layout().segments() {
             return None;
         }
         let mut segments = vec![Vec::new(); fibers.groups.len()];

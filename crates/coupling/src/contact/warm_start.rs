@@ -12,7 +12,8 @@ use rayon::prelude::*;
 pub(crate) struct WarmStart {
     /// Contacts that bore something or are bonded, by pair and place.
     pub(crate) bearing: Vec<CachedImpulse>,
-    /// Impulses of joints in the part, N s, world.
+    /// Impulses of joints in the part, N s, and then the moments of impulses of what bends at
+    /// them, N m s, world.
     pub(crate) joints: Vec<Vector3<f64>>,
     /// Length of the part, s; `None` before the first.
     pub(crate) dt: Option<f64>,
@@ -73,7 +74,7 @@ const LISTED: usize = 4096;
 
 impl CachedImpulse {
     fn numbers(&self) -> [f64; CACHED_NUMBERS] {
-        let ContactImpulse { sides, segments, fractions, levers: [a, b], impulse } = self.push;
+        let ContactImpulse { sides, segments, fractions, levers: [a, b], impulse, .. } = self.push;
         let [(p, i), (q, j)] = sides.map(|side| match side {
             BodyRef::Fiber(fiber) => (0.0, f64::from(fiber)),
             BodyRef::Object(object) => (1.0, f64::from(object)),
@@ -106,6 +107,7 @@ impl CachedImpulse {
             fractions: [u, v],
             levers: [Vector3::new(ax, ay, az), Vector3::new(bx, by, bz)],
             impulse: Vector3::new(x, y, z),
+            couple: false,
         };
         let (drift, lean) = (Vector3::new(dx, dy, dz), Vector3::new(lx, ly, lz));
         Self { push, drift, lean, rests: rests != 0.0, bonded: bonded != 0.0 }
@@ -279,6 +281,7 @@ mod tests {
             fractions: [place.fract(); 2],
             levers: [Vector3::zeros(); 2],
             impulse: Vector3::z() * push,
+            couple: false,
         };
         let (drift, lean) = (Vector3::x() * place, Vector3::y() * place);
         CachedImpulse { push, drift, lean, rests: false, bonded }

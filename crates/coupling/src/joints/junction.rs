@@ -1,31 +1,51 @@
+use super::node_joint::{Connection, NodeJoint};
 use nalgebra::{Matrix3, Matrix6, UnitQuaternion, Vector3};
-use rapunzel_fiber::{Fiber, so3};
+use rapunzel_fiber::{Assembly, Fiber, so3};
 use rapunzel_rod_dynamic::JointAction;
 
 /// The elastic rod between the middles of two segments that are joined.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Junction {
+pub(crate) struct Junction {
     /// Rotation from the frame of the first segment to the frame from which the junction turns.
     pub(super) base: UnitQuaternion<f64>,
     /// Rotation vector without moment, rad.
     pub(super) rest: Vector3<f64>,
     /// Moment by rotation vector, N m.
-    pub(super) stiffness: Matrix3<f64>,
+    pub(crate) stiffness: Matrix3<f64>,
     /// Retardation time of internal damping, s.
-    pub(super) damping: f64,
+    pub(crate) damping: f64,
 }
 
 /// Moment of a junction on its first segment, N m, world; on the second one acts the opposite. And
 /// the second derivative of its energy by rotations of both, N m.
-pub(super) struct JunctionAction {
-    pub(super) moment: Vector3<f64>,
+pub(crate) struct JunctionAction {
+    pub(crate) moment: Vector3<f64>,
     pub(super) hessian: Matrix6<f64>,
 }
 
 impl Junction {
+    /// What bends at a joint of fibres of an assembly, whose segments at it have these frames;
+    /// nothing at a ball joint.
+    pub(crate) fn new(
+        joint: &NodeJoint,
+        assembly: &Assembly,
+        frames: [UnitQuaternion<f64>; 2],
+    ) -> Option<Self> {
+        let fibers = joint.places.map(|place| &assembly.fibers()[place.fiber]);
+        let (damping, nodes) = (joint.damping_time, joint.places.map(|place| place.node));
+        match joint.connection {
+            Connection::Ball => None,
+            Connection::Stiff => {
+                let segments = joint.places.map(|place| place.segment());
+                Some(Self::weld(fibers, segments, nodes, frames, damping))
+            }
+            Connection::Spliced { twist } => Some(Self::splice(fibers, damping, twist)),
+        }
+    }
+
     /// The junction of the tip of a fibre and the root of another, which continues the one as the
     /// other, as if both were one; first turned by `twist` (rad) about the tangent.
-    pub(super) fn splice([first, second]: [&Fiber; 2], damping: f64, twist: f64) -> Self {
+    fn splice([first, second]: [&Fiber; 2], damping: f64, twist: f64) -> Self {
         let last = first.segments();
         let lengths = [first.segment_lengths()[last - 1], second.segment_lengths()[0]];
         let nodes = [&first.nodes()[last], &second.nodes()[0]];
@@ -43,7 +63,7 @@ impl Junction {
 
     /// The junction of two segments that is without moment where they have these frames: half of
     /// each bends, of `fibers[i]` that at `segments[i]` with the stiffness at `nodes[i]`.
-    pub(super) fn weld(
+    fn weld(
         fibers: [&Fiber; 2],
         segments: [usize; 2],
         nodes: [usize; 2],
@@ -65,26 +85,26 @@ impl Junction {
     }
 
     /// Rotation vector of the junction between these frames, rad.
-    pub(super) fn turn(&self, frames: [UnitQuaternion<f64>; 2]) -> Vector3<f64> {
+    pub(crate) fn turn(&self, frames: [UnitQuaternion<f64>; 2]) -> Vector3<f64> {
         let [a, b] = self.frames(frames);
         so3::log(&(a.inverse() * b))
     }
 
     /// Elastic energy, J, of a rotation vector.
-    pub(super) fn stored(&self, turn: &Vector3<f64>) -> f64 {
+    pub(crate) fn stored(&self, turn: &Vector3<f64>) -> f64 {
         let strain = turn - self.rest;
         0.5 * strain.dot(&(self.stiffness * strain))
     }
 
     /// Work of the internal damping in a step of `dt` seconds, J; never positive.
-    pub(super) fn damped(&self, turns: [&Vector3<f64>; 2], dt: f64) -> f64 {
+    pub(crate) fn damped(&self, turns: [&Vector3<f64>; 2], dt: f64) -> f64 {
         let bend = turns[1] - turns[0];
         -self.damping / dt * bend.dot(&(self.stiffness * bend))
     }
 
     /// Action at the end of a step of `dt` seconds, at the start of which the junction had the
     /// rotation vector `before`. Its damping is that of the mean rate over the step.
-    pub(super) fn act(
+    pub(crate) fn act(
         &self,
         frames: [UnitQuaternion<f64>; 2],
         before: &Vector3<f64>,
@@ -103,6 +123,17 @@ impl Junction {
         whole.fixed_view_mut::<3, 3>(3, 0).copy_from(&beside.transpose());
         whole.fixed_view_mut::<3, 3>(3, 3).copy_from(&hessian);
         JunctionAction { moment, hessian: whole }
+    }
+
+    /// With `root` of which the stiffness is the square, a matrix of which the elastic part of the
+    /// second derivative of the energy at these frames is the product with its transpose, world.
+    pub(crate) fn elastic_root(
+        &self,
+        root: &Matrix3<f64>,
+        frames: [UnitQuaternion<f64>; 2],
+    ) -> Matrix3<f64> {
+        let [_, b] = self.frames(frames);
+        b * so3::right_jacobian_inverse(&self.turn(frames)).transpose() * root
     }
 
     fn frames(&self, [a, b]: [UnitQuaternion<f64>; 2]) -> [nalgebra::Rotation3<f64>; 2] {

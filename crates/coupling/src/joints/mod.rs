@@ -16,5 +16,6 @@ mod node_joint;
 mod step;
 
 pub use joined_fibers::JoinedFibers;
-pub(crate) use network::refuse_repeated;
+pub(crate) use junction::Junction;
+pub(crate) use node_joint::refuse_repeated;
 pub use node_joint::{Connection, FiberPlace, NodeJoint};

@@ -1,13 +1,10 @@
 //! Joints as unknowns of one system of equations.
 
 use super::junction::{Junction, JunctionAction};
-use super::node_joint::{Connection, FiberPlace, NodeJoint};
+use super::node_joint::{Connection, FiberPlace, NodeJoint, refuse_repeated};
 use crate::{CouplingError, Fibers};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use rapunzel_rod_dynamic::{LoadPlace, LoadPoint, StaggeredBatch};
-
-/// Largest gap of a joint at the start, in lengths of its fibres.
-const LARGEST_GAP: f64 = 1e-9;
 
 /// One side of a joint.
 #[derive(Debug, Clone, Copy)]
@@ -101,9 +98,8 @@ impl Network {
         let mut groups = vec![GroupLoads::default(); fibers.groups.len()];
         let mut links: Vec<Link> = Vec::with_capacity(joints.len());
         for joint in joints {
-            check_closed(joint, fibers)?;
-            let own = joint.places.map(|place| &fibers.assembly().fibers()[place.fiber]);
-            let segments = [0, 1].map(|i| joint.places[i].node.saturating_sub(1));
+            joint.check_closed(fibers)?;
+            let segments = joint.places.map(FiberPlace::segment);
             let at = links.len();
             let [first, second] = [0, 1].map(|i| {
                 let FiberPlace { fiber, node } = joint.places[i];
@@ -122,18 +118,13 @@ impl Network {
                     .then(|| add(LoadPlace::Segment(index(segment)), 3 + 3 * i, 1.0));
                 LinkSide { group, lane, node, segment, force, moment }
             });
-            let damping = joint.damping_time;
-            let frames = || [first, second].map(|side| frame(fibers, &side));
-            let nodes = joint.places.map(|place| place.node);
-            let junction = match joint.connection {
-                Connection::Ball => None,
-                Connection::Stiff => Some(Junction::weld(own, segments, nodes, frames(), damping)),
-                Connection::Spliced { twist } => Some(Junction::splice(own, damping, twist)),
-            };
-            let length = own[0].segment_lengths()[segments[0]];
+            let frames = [first, second].map(|side| frame(fibers, &side));
+            let junction = Junction::new(joint, fibers.assembly(), frames);
+            let own = &fibers.assembly().fibers()[joint.places[0].fiber];
+            let length = own.segment_lengths()[segments[0]];
             links.push(Link { sides: [first, second], junction, length, first: 0 });
         }
-        refuse_repeated(joints.iter().map(|joint| (&*joint.name, joint.places)))?;
+        refuse_repeated(joints)?;
         let clusters = clusters(&mut links);
         Ok(Self { links, groups, clusters })
     }
@@ -229,44 +220,6 @@ pub(super) fn frame(
     side: &LinkSide,
 ) -> nalgebra::UnitQuaternion<f64> {
     fibers.groups[side.group].batch.frame(side.lane, side.segment)
-}
-
-/// Refuses a joint whose nodes do not meet.
-fn check_closed(joint: &NodeJoint, fibers: &Fibers<StaggeredBatch>) -> Result<(), CouplingError> {
-    let [a, b] = joint.places.map(|place| fibers.node(place.fiber, Some(place.node)).0);
-    let own = joint.places.map(|place| fibers.assembly().fibers()[place.fiber].length());
-    let (gap, most) = ((a - b).norm(), LARGEST_GAP * own[0].max(own[1]));
-    if gap <= most {
-        return Ok(());
-    }
-    let places = [a, b].map(|place| place.coords.into());
-    Err(CouplingError::JointOpen { joint: joint.name.clone(), gap, most, places })
-}
-
-/// Refuses joints, by name, between nodes that others join already.
-pub(crate) fn refuse_repeated<'a>(
-    joints: impl Iterator<Item = (&'a str, [FiberPlace; 2])>,
-) -> Result<(), CouplingError> {
-    // By node that is joined: a number that all that are joined to it have in common, and the last
-    // joint there.
-    let mut known: Vec<(FiberPlace, usize, &str)> = Vec::new();
-    for (joint, places) in joints {
-        let sets = places.map(|place| {
-            let found = known.iter().position(|(other, ..)| *other == place);
-            found.unwrap_or_else(|| {
-                known.push((place, known.len(), joint));
-                known.len() - 1
-            })
-        });
-        let [a, b] = sets.map(|at| known[at].1);
-        if a == b {
-            let other = known[sets[0]].2.to_owned();
-            return Err(CouplingError::JointTwice { joint: joint.to_owned(), other });
-        }
-        known.iter_mut().filter(|(_, set, _)| *set == b).for_each(|(_, set, _)| *set = a);
-        sets.iter().for_each(|&at| known[at].2 = joint);
-    }
-    Ok(())
 }
 
 /// Groups links by the fibres they share, numbers their unknowns, and counts these.

@@ -3,11 +3,10 @@
 use super::array::{at, lanes, set};
 use super::response::{ImpulseColumns, Inertia, Question};
 use super::simd_batch::SimdBatch;
-use crate::{Point, PointResponses};
+use crate::{Point, PointAction, PointResponses};
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use pulp::Simd;
 use pulp::bytemuck::{self, Zeroable};
-use rapunzel_fiber::so3;
 use std::ops::RangeInclusive;
 
 /// Mean velocities (m/s, world frame) that impulses (N s) at the start of the step cause, to first
@@ -93,13 +92,14 @@ impl<S: Simd> BatchResponse for SimdBatch<S> {
         let turns = bytemuck::cast_slice_mut::<S::f64s, f64>(&mut self.chain.room.turns);
         turns[3 * S::F64_LANES * from.saturating_sub(1)..].fill(0.0);
         for (point, impulse) in points.iter().zip(impulses) {
-            let node = &mut values[both_nodes::<S>(point)];
-            let (turn, moment) = (&mut turns[segment::<S>(point)], point.arm.cross(impulse));
+            let (turn, moment) = (&mut turns[segment::<S>(point)], point.moment(impulse));
             for i in 0..3 {
                 turn[i * S::F64_LANES] += moment[i];
             }
+            let PointAction::Force { fraction, .. } = point.action else { continue };
+            let node = &mut values[both_nodes::<S>(point)];
             for i in 0..3 {
-                let behind = point.fraction * impulse[i];
+                let behind = fraction * impulse[i];
                 node[i * S::F64_LANES] += impulse[i] - behind;
                 node[(3 + i) * S::F64_LANES] += behind;
             }
@@ -109,12 +109,14 @@ impl<S: Simd> BatchResponse for SimdBatch<S> {
         let turns = bytemuck::cast_slice::<S::f64s, f64>(&self.chain.room.turns);
         for (point, out) in points.iter().zip(out) {
             let (node, turn) = (&values[both_nodes::<S>(point)], &turns[segment::<S>(point)]);
-            for i in 0..3 {
-                let (before, behind) = (node[i * S::F64_LANES], node[(3 + i) * S::F64_LANES]);
-                out[i] = before + point.fraction * (behind - before);
-            }
-            let turn = Vector3::from_fn(|i, _| turn[i * S::F64_LANES]);
-            *out += turn.cross(&point.arm);
+            *out = match point.action {
+                PointAction::Force { fraction, .. } => Vector3::from_fn(|i, _| {
+                    let (before, behind) = (node[i * S::F64_LANES], node[(3 + i) * S::F64_LANES]);
+                    before + fraction * (behind - before)
+                }),
+                PointAction::Couple { .. } => Vector3::zeros(),
+            };
+            *out += point.turned(&Vector3::from_fn(|i, _| turn[i * S::F64_LANES]));
         }
     }
 
@@ -145,14 +147,15 @@ impl<S: Simd> BatchResponse for SimdBatch<S> {
             // Unit impulses along x, y and z at the present point of each fibre, with their
             // moments.
             for &i in now() {
-                let Point { fiber, segment, fraction, arm } = points[i];
-                let moments = so3::hat(&arm);
-                for (k, moment) in moments.column_iter().enumerate() {
+                let Point { fiber, segment, action } = points[i];
+                for k in 0..3 {
+                    let moment = points[i].moment(&Vector3::ith(k, 1.0));
                     for i in 0..3 {
                         let at = 9 * segment as usize + 3 * k + i;
                         set(&mut columns.turns, at, fiber as usize, moment[i]);
                     }
                 }
+                let PointAction::Force { fraction, .. } = action else { continue };
                 for (node, share) in [(0, 1.0 - fraction), (1, fraction)] {
                     let first = 9 * (segment as usize + node);
                     for k in 0..3 {
@@ -165,15 +168,21 @@ impl<S: Simd> BatchResponse for SimdBatch<S> {
             // symmetry.
             for (lane, one) in all.iter_mut().enumerate() {
                 for row in turn..one.points.len() {
-                    let Point { segment, fraction, arm, .. } = points[one.points[row]];
-                    let first = 9 * segment as usize;
+                    let point = &points[one.points[row]];
+                    let first = 9 * point.segment as usize;
                     let value = |i: usize| at(&columns.values, first + i, lane);
                     for k in 0..3 {
                         let spin = |i: usize, _| at(&columns.turns, first + 3 * k + i, lane);
-                        let beside = Vector3::from_fn(spin).cross(&arm);
+                        let beside = point.turned(&Vector3::from_fn(spin));
                         for i in 0..3 {
-                            let (before, behind) = (value(3 * k + i), value(9 + 3 * k + i));
-                            let answer = before + fraction * (behind - before) + beside[i];
+                            let along = match point.action {
+                                PointAction::Force { fraction, .. } => {
+                                    let (before, behind) = (value(3 * k + i), value(9 + 3 * k + i));
+                                    before + fraction * (behind - before)
+                                }
+                                PointAction::Couple { .. } => 0.0,
+                            };
+                            let answer = along + beside[i];
                             one.matrix[(3 * row + i, 3 * turn + k)] = answer;
                             one.matrix[(3 * turn + k, 3 * row + i)] = answer;
                         }

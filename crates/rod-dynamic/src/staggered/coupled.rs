@@ -5,8 +5,8 @@ use super::response::Inertia;
 use super::scheme::StepProblem;
 use super::search::SearchOutcome;
 use crate::{
-    Conditions, ImpulseResponse, Impulses, Point, PointResponses, RodError, RodStepReport,
-    StepError,
+    Conditions, ImpulseResponse, Impulses, Point, PointAction, PointResponses, RodError,
+    RodStepReport, StepError,
 };
 use nalgebra::{Matrix3, Vector3};
 use rapunzel_lanes::LANES;
@@ -260,12 +260,17 @@ impl StaggeredBatch {
         let (mut fiber, mut segment, mut sound) = (0, 0, true);
         for p in points {
             (fiber, segment) = (p.fiber.max(fiber), p.segment.max(segment));
-            sound &= (0.0..=1.0).contains(&p.fraction) && p.arm.sum().is_finite();
+            sound &= match p.action {
+                PointAction::Force { fraction, arm } => {
+                    (0.0..=1.0).contains(&fraction) && arm.sum().is_finite()
+                }
+                PointAction::Couple { lever } => lever.sum().is_finite(),
+            };
         }
         if sound && (fiber as usize) < fibers && (segment as usize) < segments {
             return Ok(());
         }
-        let why = "each needs a fibre, a segment, a fraction in 0..=1 and a finite arm";
+        let why = "each needs a fibre, a segment, a fraction in 0..=1 and a finite arm or lever";
         Err(RodError::Invalid { what: "points", why })
     }
 

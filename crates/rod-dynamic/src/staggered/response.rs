@@ -15,7 +15,7 @@ use super::scheme::Stage;
 use super::simd_batch::SimdBatch;
 use super::supports::BothSupports;
 use super::workspace::BatchWorkspace;
-use crate::Point;
+use crate::{Point, PointAction};
 use nalgebra::Vector3;
 use pulp::bytemuck::Zeroable;
 use pulp::{NullaryFnOnce, Simd};
@@ -266,7 +266,8 @@ impl<S: Simd> SimdBatch<S> {
 
     /// Factorises with masses added at points: a mass `m` at the fraction `f` of a rigid segment is
     /// `m (1 - f)` and `m f` on its nodes, and takes away `m f (1 - f) h^2` of the inertia of its
-    /// d3; at an arm `a` it has the inertia `m (a^2 E - a a^T)`, and the moments of [`Right`].
+    /// d3; at an arm `a` it has the inertia `m (a^2 E - a a^T)`, and the moments of [`Right`]. That
+    /// of a couple with the lever `L` is the inertia `m L L^T`.
     #[inline(always)]
     fn factorize_weighted(&mut self, stage: &Stage<S>, points: &[Point], masses: &[f64]) {
         let (simd, n) = (self.chain.simd, self.chain.n);
@@ -277,23 +278,40 @@ impl<S: Simd> SimdBatch<S> {
         // Masses of the nodes and inertias of d3 that the points add.
         room.mass.fill(S::f64s::zeroed());
         room.inertia.fill(S::f64s::zeroed());
-        let beside = points.iter().zip(masses).any(|(p, m)| *m > 0.0 && p.arm != Vector3::zeros());
+        let on_axis = |point: &Point| match point.action {
+            PointAction::Force { arm, .. } => arm == Vector3::zeros(),
+            PointAction::Couple { .. } => false,
+        };
+        let is_beside = |(point, mass): (&Point, &f64)| *mass > 0.0 && !on_axis(point);
+        let beside = points.iter().zip(masses).any(is_beside);
         fit::<S>(&mut weighted.moments, if beside { 6 * n } else { 0 });
         weighted.moments.fill(S::f64s::zeroed());
         fit::<S>(&mut room.gyration, if beside { 6 * n } else { 0 });
         room.gyration.fill(S::f64s::zeroed());
         for (point, m) in points.iter().zip(masses) {
-            let (lane, e, f) = (point.fiber as usize, point.segment as usize, point.fraction);
+            let (lane, e) = (point.fiber as usize, point.segment as usize);
             let h = at(&model.h, e, lane);
             let add = |array: &mut [S::f64s], i: usize, x: f64| {
                 let old = at(array, i, lane);
                 set(array, i, lane, old + x);
             };
+            let (f, a) = match point.action {
+                PointAction::Force { fraction, arm } => (fraction, arm),
+                PointAction::Couple { lever } => {
+                    if beside {
+                        let inertia = lever * lever.transpose();
+                        let places = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
+                        for (i, place) in places.into_iter().enumerate() {
+                            add(&mut room.gyration, 6 * e + i, m * inertia[place]);
+                        }
+                    }
+                    continue;
+                }
+            };
             add(&mut room.mass, e, m * (1.0 - f));
             add(&mut room.mass, e + 1, m * f);
             add(&mut room.inertia, e, -m * f * (1.0 - f) * h * h);
             if beside {
-                let a = point.arm;
                 for i in 0..3 {
                     add(&mut weighted.moments, 6 * e + i, m * (1.0 - f) * a[i]);
                     add(&mut weighted.moments, 6 * e + 3 + i, m * f * a[i]);

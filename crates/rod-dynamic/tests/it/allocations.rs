@@ -44,7 +44,7 @@ fn warm_steps_do_not_allocate() {
         let mut turns = vec![Matrix3::zeros(); nodes - fibers];
         let moments = vec![Vector3::new(0.0, 1e-15, 0.0); nodes - fibers];
         let whole = Impulses { nodes: &impulses, segments: &moments };
-        let points = [Point { arm: Vector3::new(0.0, 0.0, 1e-5), ..Point::on_axis(0, 7, 0.3) }];
+        let points = [Point::beside_axis(0, 7, 0.3, Vector3::new(0.0, 0.0, 1e-5))];
         let count = allocations(|| {
             batch.set_out(1e-3, &conditions, whole, &mut reports).expect("sound");
             batch.linearize().expect("regular");

@@ -1,11 +1,11 @@
 //! The response of the staggered rod to impulses beside its axis, where surfaces touch.
 
 use crate::common::{response_matrix, set_out_and_solve};
-use nalgebra::{DMatrix, Isometry3, SymmetricEigen, Vector3};
+use nalgebra::{DMatrix, Isometry3, Matrix3, SymmetricEigen, Vector3};
 use rapunzel_fiber::{Fiber, Material, Section};
 use rapunzel_rod_dynamic::{
-    Conditions, ImpulseResponse, Impulses, Instant, Point, Rod, RodStepReport, StaggeredBatch,
-    Steady, StepVelocity,
+    Conditions, ImpulseResponse, Impulses, Instant, Point, PointAction, Rod, RodStepReport,
+    StaggeredBatch, Steady, StepVelocity,
 };
 
 const SEGMENTS: usize = 12;
@@ -40,18 +40,22 @@ fn moving(clamped: bool) -> (StaggeredBatch, Vec<f64>, Steady) {
     (batch, start, hold)
 }
 
-/// Points on the surface, two of them on one segment, and one on the axis.
+/// Points on the surface, two of them on one segment, one on the axis, and two couples.
 fn points() -> Vec<Point> {
     let at = |segment, fraction, x: f64, y: f64, z: f64| {
         let arm = RADIUS * Vector3::new(x, y, z).normalize();
-        Point { arm, ..Point::on_axis(0, segment, fraction) }
+        Point::beside_axis(0, segment, fraction, arm)
     };
+    let lever = RADIUS * Matrix3::new(1.0, 0.2, -0.3, 0.1, 0.8, 0.4, -0.2, 0.5, 1.3);
+    let couple = |segment| Point { fiber: 0, segment, action: PointAction::Couple { lever } };
     vec![
         at(0, 0.4, 1.0, 0.3, 0.0),
         at(5, 0.0, 0.0, 1.0, 0.2),
         at(5, 0.7, -1.0, 0.4, 0.9),
         Point::on_axis(0, 8, 0.5),
         at(11, 1.0, 0.2, 0.1, -1.0),
+        couple(5),
+        couple(9),
     ]
 }
 
@@ -112,9 +116,10 @@ fn the_response_beside_the_axis_is_the_derivative_of_a_step() {
                     let mut nodes = [Vector3::zeros(); NODES];
                     let mut segments = [Vector3::zeros(); SEGMENTS];
                     let segment = point.segment as usize;
-                    nodes[segment] = (1.0 - point.fraction) * impulse;
-                    nodes[segment + 1] = point.fraction * impulse;
-                    segments[segment] = point.arm.cross(&impulse);
+                    let shares = point.shares();
+                    nodes[segment] = shares[0] * impulse;
+                    nodes[segment + 1] = shares[1] * impulse;
+                    segments[segment] = point.moment(&impulse);
                     let all = Impulses { nodes: &nodes, segments: &segments };
                     batch.restore(&start).expect("own numbers");
                     set_out_and_solve(&mut batch, DT, &[&hold as &dyn Conditions], all)
@@ -123,8 +128,10 @@ fn the_response_beside_the_axis_is_the_derivative_of_a_step() {
                     batch.spins(StepVelocity::Mean, None, &mut [&mut segments]).expect("lengths");
                     end.extend(points().iter().map(|point| {
                         let segment = point.segment as usize;
-                        nodes[segment].lerp(&nodes[segment + 1], point.fraction)
-                            + segments[segment].cross(&point.arm)
+                        let [before, behind] = point.shares();
+                        nodes[segment] * before
+                            + nodes[segment + 1] * behind
+                            + point.turned(&segments[segment])
                     }));
                 }
                 for (i, (up, down)) in ends[0].iter().zip(&ends[1]).enumerate() {
@@ -144,11 +151,15 @@ fn masses_beside_the_axis_add_to_the_inverse() {
         let (mut batch, ..) = moving(clamped);
         let w = matrix(&mut batch, false);
         let mass = batch.rods()[0].fiber.mass();
-        let masses = [0.3, 0.02, 1.0, 0.5, 0.2].map(|part| part * mass);
+        let masses = [0.3, 0.02, 1.0, 0.5, 0.2, 0.4, 0.6].map(|part| part * mass);
         batch.set_weights(&points(), &masses).expect("weights");
         let weighted = matrix(&mut batch, true);
         let inverse =
-            DMatrix::from_fn(15, 15, |i, j| if i == j { 1.0 / masses[i / 3] } else { 0.0 });
+            DMatrix::from_fn(
+                w.nrows(),
+                w.nrows(),
+                |i, j| if i == j { 1.0 / masses[i / 3] } else { 0.0 },
+            );
         let inner = (&inverse + &w).try_inverse().expect("positive definite");
         let expected = &w - &w * inner * &w;
         // The weighted matrix is linearised at the last iterate, the other at that before.
@@ -163,8 +174,8 @@ fn masses_beside_the_axis_add_to_the_inverse() {
 #[test]
 fn blocks_of_segments_are_their_answers_to_moments() {
     let (mut batch, ..) = moving(false);
-    let mut nodes = vec![nalgebra::Matrix3::zeros(); NODES];
-    let mut segments = vec![nalgebra::Matrix3::zeros(); SEGMENTS];
+    let mut nodes = vec![Matrix3::zeros(); NODES];
+    let mut segments = vec![Matrix3::zeros(); SEGMENTS];
     batch.diagonal_blocks(&mut nodes, &mut segments).expect("lengths");
     for segment in 0..SEGMENTS {
         let number = u32::try_from(segment).expect("few");
@@ -172,7 +183,7 @@ fn blocks_of_segments_are_their_answers_to_moments() {
             // A couple of impulses with the moment of a unit about an axis.
             let (arm, push) =
                 (Vector3::ith((axis + 1) % 3, 0.5), Vector3::ith((axis + 2) % 3, 1.0));
-            let pair = [arm, -arm].map(|arm| Point { arm, ..Point::on_axis(0, number, 0.5) });
+            let pair = [arm, -arm].map(|arm| Point::beside_axis(0, number, 0.5, arm));
             let mut velocities = [Vector3::zeros(); 2];
             batch.respond_at(&pair, &[push, -push], &mut velocities).expect("points");
             // They go apart by the rotation alone: `w x 2 arm`.

@@ -221,8 +221,8 @@ fn weights_add_to_the_inverse() {
     for (i, (point, mass)) in points[..3].iter().zip(&masses).enumerate() {
         let node = 3 * point.segment as usize;
         for k in 0..3 {
-            h[(3 * i + k, node + k)] = 1.0 - point.fraction;
-            h[(3 * i + k, node + 3 + k)] = point.fraction;
+            h[(3 * i + k, node + k)] = point.shares()[0];
+            h[(3 * i + k, node + 3 + k)] = point.shares()[1];
             inverse[(3 * i + k, 3 * i + k)] = 1.0 / mass;
         }
     }
@@ -278,14 +278,14 @@ fn points_answer_as_their_nodes() {
     let mut nodes = vec![Vector3::zeros(); batch.nodes()];
     let first = |p: &Point| p.fiber as usize * NODES + p.segment as usize;
     for (point, impulse) in points.iter().zip(&impulses) {
-        nodes[first(point)] += impulse * (1.0 - point.fraction);
-        nodes[first(point) + 1] += impulse * point.fraction;
+        nodes[first(point)] += impulse * point.shares()[0];
+        nodes[first(point) + 1] += impulse * point.shares()[1];
     }
     let mut velocities = vec![Vector3::zeros(); batch.nodes()];
     batch.respond(&nodes, &mut velocities).expect("lengths");
     for (point, answer) in points.iter().zip(&answers) {
         let a = first(point);
-        let expected = velocities[a].lerp(&velocities[a + 1], point.fraction);
+        let expected = velocities[a].lerp(&velocities[a + 1], point.shares()[1]);
         assert!((answer - expected).norm() <= 1e-13 * expected.norm(), "{point:?}");
         assert!(expected.norm() > 0.0);
     }

@@ -5,7 +5,7 @@ use super::start::FiberStart;
 use crate::SimError;
 use crate::scene::{ContactSettings, RodMethod, Scene};
 use rapunzel_coupling::{
-    BallJoint, CollisionObject, FiberConditions, FiberGroup, Fibers, FibersInContact, RodBatch,
+    CollisionObject, ContactJoints, FiberConditions, FiberGroup, Fibers, FibersInContact, RodBatch,
     Surroundings,
 };
 use rapunzel_fiber::Assembly;
@@ -31,7 +31,7 @@ pub(super) fn in_contact(
     (method, keeps_ledger): (RodMethod, bool),
     starts: &[FiberStart],
     assembly: Assembly,
-    joints: &[BallJoint],
+    joints: ContactJoints<'_>,
     around: &mut Surroundings<'_>,
 ) -> Result<FibersInContact, SimError> {
     let groups = groups(&assembly, starts, |starts| {

@@ -5,9 +5,7 @@ use super::groups::groups;
 use super::start::FiberStart;
 use crate::SimError;
 use crate::scene::{JointHold, JointPlace, ObjectJoint, RodMethod, Scene};
-use rapunzel_coupling::{
-    BallJoint, Connection, FiberPlace, Fibers, JoinedFibers, JointPartner, NodeJoint,
-};
+use rapunzel_coupling::{BallJoint, Connection, FiberPlace, Fibers, JoinedFibers, NodeJoint};
 use rapunzel_fiber::Assembly;
 use rapunzel_rod_dynamic::StaggeredBatch;
 use std::f64::consts::TAU;
@@ -33,28 +31,21 @@ pub(super) fn joined(
     Ok(JoinedFibers::new(Fibers::new(assembly, groups, keeps_ledger), &joints)?)
 }
 
-/// All joints of fibres in contact.
+/// Joints of fibres with objects.
 pub(super) fn ball_joints(scene: &Scene, starts: &[FiberStart]) -> Vec<BallJoint> {
-    let listed = scene.joints.iter().enumerate().map(|(i, joint)| BallJoint {
-        name: format!("joints[{i}]"),
-        place: place(starts, joint.first),
-        partner: JointPartner::Fiber(place(starts, joint.second)),
-    });
-    let of_objects = scene.object_joints.iter().enumerate();
-    let of_objects = of_objects.map(|(i, &ObjectJoint { fiber, at, object })| BallJoint {
-        name: format!("object_joints[{i}]"),
+    let one = |&ObjectJoint { fiber, at, object }: &ObjectJoint| BallJoint {
         place: place(starts, JointPlace { fiber, at }),
-        partner: JointPartner::Object(object),
-    });
-    listed.chain(of_objects).collect()
+        object,
+    };
+    scene.object_joints.iter().map(one).collect()
 }
 
 fn place(starts: &[FiberStart], JointPlace { fiber, at }: JointPlace) -> FiberPlace {
     FiberPlace { fiber, node: at.number(starts[fiber].rod.fiber.segments()) }
 }
 
-/// All joints: of closed fibres, then those that are listed.
-fn joints(scene: &Scene, starts: &[FiberStart]) -> Vec<NodeJoint> {
+/// All joints between fibres: of closed ones, then those that are listed.
+pub(super) fn joints(scene: &Scene, starts: &[FiberStart]) -> Vec<NodeJoint> {
     let closed = starts.iter().enumerate().filter_map(|(fiber, start)| {
         let closing = scene.fibers[start.bundle].closed?;
         let [tip, root] = [start.rod.fiber.segments(), 0].map(|node| FiberPlace { fiber, node });

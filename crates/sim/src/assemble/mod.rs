@@ -19,10 +19,10 @@ use crate::{Plan, SimError, World};
 use batch::batch;
 pub(crate) use groom::strand_count;
 use groups::{assembly, at_start, groups, in_contact};
-use joined::{ball_joints, joined};
+use joined::{ball_joints, joined, joints};
 use natural::give_natural_shapes;
 use rapunzel_charging::{ChargedRods, HeadGeometry};
-use rapunzel_coupling::{CollisionObject, Fibers};
+use rapunzel_coupling::{CollisionObject, ContactJoints, Fibers};
 use rapunzel_fiber::Assembly;
 pub use stage::BuildStage;
 pub(crate) use start::matter;
@@ -115,9 +115,10 @@ fn stepper(
     let count = objects.len();
     let mut around = at_start(scene, objects);
     let method = scene.stepper.method();
-    let joints = ball_joints(scene, starts);
+    let (between, on_objects) = (joints(scene, starts), ball_joints(scene, starts));
+    let joints = ContactJoints { fibers: &between, objects: &on_objects };
     let fibers =
-        in_contact(settings, (method, keeps_ledger), starts, assembly, &joints, &mut around)?;
+        in_contact(settings, (method, keeps_ledger), starts, assembly, joints, &mut around)?;
     Ok(Box::new(InContact { fibers, scenery, tells_ledger, objects: count }))
 }
 

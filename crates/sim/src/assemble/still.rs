@@ -6,7 +6,9 @@ use super::start::FiberStart;
 use crate::scene::{ContactSettings, Motion, RodMethod, Scene, Wind};
 use crate::{Plan, SimError};
 use nalgebra::{Point3, Vector3};
-use rapunzel_coupling::{BundleConditions, CollisionObject, FibersInContact, Surroundings};
+use rapunzel_coupling::{
+    BundleConditions, CollisionObject, ContactJoints, FibersInContact, Surroundings,
+};
 use std::sync::Arc;
 
 /// Speed at which a fibre has settled, in its length, 1/s: in 0.1 s it moves by half a thousandth
@@ -139,5 +141,5 @@ fn bearing(
     around: &mut Surroundings<'_>,
 ) -> Result<FibersInContact, SimError> {
     let how = (RodMethod::BackwardEuler, false);
-    in_contact(settings, how, starts, assembly(starts), &[], around)
+    in_contact(settings, how, starts, assembly(starts), ContactJoints::default(), around)
 }

@@ -24,7 +24,7 @@ impl Stepper for InContact {
     }
 
     fn energy(&self, gravity: &Vector3<f64>) -> Energy {
-        self.fibers.fibers().energy(gravity)
+        self.fibers.energy(gravity)
     }
 
     fn strand_nodes(&self) -> Vec<usize> {

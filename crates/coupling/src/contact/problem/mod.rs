@@ -2,6 +2,7 @@
 
 mod culling;
 pub(super) mod groups;
+mod near;
 mod parameters;
 mod residuals;
 mod rolling;
@@ -9,6 +10,7 @@ mod sides;
 
 use super::ball_joints::JointPoint;
 use super::group_body::{DelassusCache, GroupBody};
+use super::junctions::Couple;
 use super::laws::ContactLaws;
 use super::node_arrays::FiberVelocities;
 use super::touched_parts::TouchedParts;
@@ -24,14 +26,11 @@ use rapunzel_contact::{
 };
 use rapunzel_rod_dynamic::StepVelocity;
 use rayon::prelude::*;
-use sides::{ContactSide, each, rod_point, traces};
+use sides::{ContactSide, each, traces};
 use std::sync::{Mutex, PoisonError};
 
 /// Residuals, and errors of velocities in m/s, below this take more than single precision.
 const ROUNDING: f64 = 1e-5;
-
-/// Openings are found anew where more than one in so many contacts may close.
-const MANY: usize = 8;
 
 /// From so many contacts on, memory counts. To keep answers with added masses takes more of it than
 /// it saves time: they are used again in one of seven solves, and take some 2 kB a contact.
@@ -52,6 +51,8 @@ pub(super) struct ContactProblem {
     listed: usize,
     /// What they touch, unless that is looked at whole.
     touched: Option<TouchedParts>,
+    /// Those of the last joints, which are couples.
+    couples: Vec<Couple>,
     laws: Vec<ContactParameters>,
     /// Impulses, N s, in the frames of the contacts.
     impulses: Vec<Vector3<f64>>,
@@ -76,6 +77,15 @@ pub(super) struct ContactProblem {
     solved: Vec<Contact>,
 }
 
+/// What a problem is made of.
+pub(super) struct ContactLists {
+    /// Contact points by pair and place.
+    pub(super) points: Vec<ContactPoint>,
+    pub(super) joints: Vec<JointPoint>,
+    /// What bends at joints.
+    pub(super) couples: Vec<(ContactPoint, Couple)>,
+}
+
 /// What takes most room in a case, for that of the next step.
 #[derive(Default)]
 pub(super) struct ProblemWorkspace {
@@ -85,24 +95,29 @@ pub(super) struct ProblemWorkspace {
 
 impl ContactProblem {
     /// The contacts of a step of `dt` seconds, whose contact points have their gaps where fibres
-    /// have the given mean velocities, at least where they are touched. What gives way has done so
-    /// already under impulses as those of the step `before`, N s, world: along tangents only the
-    /// rest of them moves it; along normals the gap tells. Joints close.
+    /// have the mean velocities that are given back, of what they touch at least. What gives way
+    /// has done so already under impulses as those of the step `before`, N s, world: along tangents
+    /// only the rest of them moves it; along normals the gap tells. Joints close; what bends at
+    /// them is in no balance yet ([`Self::bend`]).
     pub(super) fn new(
         system: &CoupledSystem,
-        (mut points, joints, touched): (Vec<ContactPoint>, Vec<JointPoint>, Option<TouchedParts>),
-        mean: &FiberVelocities,
+        ContactLists { mut points, joints, couples }: ContactLists,
         dt: f64,
         laws: &ContactLaws,
         before: Vec<Vector3<f64>>,
         room: ProblemWorkspace,
-    ) -> Result<Self, ContactError> {
+    ) -> Result<(Self, FiberVelocities), ContactError> {
         let ProblemWorkspace { laws: mut own, solved } = room;
         let turning = system.fibers.turning_parts();
         points.par_iter_mut().for_each(|point| point.act_on_axis_outside(&turning));
         let refused = Mutex::new(None::<(usize, ContactError)>);
-        let start = system.fibers.velocities(StepVelocity::Start, touched.as_ref());
-        let (first, mean) = (Velocities::before(system, &start), Velocities::new(system, mean));
+        let bound =
+            joints.iter().map(|joint| &joint.point).chain(couples.iter().map(|(point, _)| point));
+        let touched = TouchedParts::new(system.fibers, points.iter().chain(bound));
+        let of = |which| system.fibers.velocities(which, touched.as_ref());
+        let [start, velocities] = [StepVelocity::Start, StepVelocity::Mean].map(of);
+        let (first, mean) =
+            (Velocities::before(system, &start), Velocities::new(system, &velocities));
         let nodes = mean.nodes();
         let law = |(i, point): (usize, &ContactPoint)| {
             let frame = point.frame();
@@ -153,6 +168,13 @@ impl ContactProblem {
             impulses.push(frame.tr_mul(&point.impulse));
             points.push(point);
         }
+        let mut levers = Vec::with_capacity(couples.len());
+        for (point, couple) in couples {
+            own.push(ContactParameters::couple(couple.compliance));
+            impulses.push(point.frame().tr_mul(&point.impulse));
+            points.push(point);
+            levers.push(couple);
+        }
         let acts = |point: &ContactPoint| point.working || point.impulse != Vector3::zeros();
         let openings = (points.len() > nodes.len()).then(|| {
             let speeds = points.par_iter().zip(&own).map(|(point, law)| {
@@ -172,10 +194,11 @@ impl ContactProblem {
         let masses = vec![ErrorMasses::from(mass); points.len()];
         let written = system.fibers.groups.iter().map(|_| None).collect();
         let (error, kept) = (None, vec![Vec::new(); system.fibers.groups.len()]);
-        Ok(Self {
+        let problem = Self {
             points,
             listed,
             touched,
+            couples: levers,
             laws: own,
             impulses,
             before,
@@ -187,7 +210,8 @@ impl ContactProblem {
             written,
             kept,
             solved,
-        })
+        };
+        Ok((problem, velocities))
     }
 
     /// Takes the problem apart: its contact points, and its workspace for the next.
@@ -242,27 +266,6 @@ impl ContactProblem {
         }
     }
 
-    /// The contacts that may close where nodes are so fast, in their order.
-    fn near_where(&self, system: &CoupledSystem, nodes: &[Vector3<f64>]) -> Vec<usize> {
-        let layout = system.fibers.assembly().layout();
-        let all = || (0..self.laws.len()).collect();
-        self.openings.as_ref().map_or_else(all, |openings| openings.near(layout, nodes))
-    }
-
-    /// The contacts that may close where nodes are so fast, in their order. If these are many of
-    /// all, it is found anew how fast contacts open.
-    fn look(&mut self, system: &CoupledSystem, nodes: &Velocities) -> Vec<usize> {
-        let near = self.near_where(system, nodes.nodes());
-        let Some(openings) = self.openings.as_mut().filter(|_| near.len() > self.laws.len() / MANY)
-        else {
-            return near;
-        };
-        let one = |(point, law): (&ContactPoint, &ContactParameters)| law.opening(point, nodes);
-        let speeds = self.points.par_iter().zip(&self.laws).map(one);
-        openings.renew(speeds, nodes.nodes());
-        openings.near(system.fibers.assembly().layout(), nodes.nodes())
-    }
-
     /// Solves for the impulses, with the rods as they are linearised, or, as far as their answers
     /// go, as they were when these were written out. Groups that are `still` have been solved as
     /// they are. Only contacts that bear something, pull or would close, or did so before, are
@@ -301,7 +304,7 @@ impl ContactProblem {
                 index[place[i]][side] = point;
             }
         }
-        let of_side = |&(i, side): &ContactSide| linear.of_side(&self.points[i], side);
+        let of_side = |&(i, side): &ContactSide| self.of_side(i, side, &linear);
         let velocities: Vec<_> = sides.par_iter().map(of_side).collect();
         drop(fibers);
         let (laws, all) = (&self.laws, working.par_iter().zip(&index));
@@ -310,7 +313,7 @@ impl ContactProblem {
         self.solved.reserve_exact(working.len());
         solved.collect_into_vec(&mut self.solved);
         let mut impulses: Vec<_> = working.iter().map(|&i| self.impulses[i]).collect();
-        let points = each(&used, |i, side| rod_point(system, &self.points[i], side));
+        let points = each(&used, |i, side| self.rod_point(system, i, side));
         let levers = each(&on_objects, |i, side| self.points[i].lever(side));
         let mut free = system.free_bodies(&levers)?;
         let &Tolerance { residual, normal, slip, .. } = solver.tolerance();
@@ -356,11 +359,16 @@ impl ContactProblem {
 
     /// Impulses of the contacts that bear something or that the solver looked at last.
     pub(super) fn pushes(&self) -> impl Iterator<Item = ContactImpulse> + Clone {
-        self.working.iter().zip(&self.pushes).map(|(&i, push)| self.points[i].push(*push))
+        self.working.iter().zip(&self.pushes).map(|(&i, push)| match self.couple(i) {
+            None => self.points[i].push(*push),
+            Some(Couple { lever, .. }) => {
+                ContactImpulse { couple: true, ..self.points[i].push(lever * push) }
+            }
+        })
     }
 
     /// Writes the impulses into the contact points, and which of them the solver looked at last.
-    /// Returns those of joints, N s, world.
+    /// Returns those of joints, N s, and the moments of those of couples, N m s, world.
     pub(super) fn give_impulses(&mut self) -> Vec<Vector3<f64>> {
         self.points.par_iter_mut().for_each(|point| {
             (point.impulse, point.working) = (Vector3::zeros(), false);
@@ -368,7 +376,12 @@ impl ContactProblem {
         for (&i, push) in self.working.iter().zip(&self.pushes) {
             (self.points[i].impulse, self.points[i].working) = (*push, true);
         }
-        self.points[self.listed..].iter().map(|joint| joint.impulse).collect()
+        let joints = self.points.iter().enumerate().skip(self.listed);
+        let of_one = |(i, joint): (usize, &ContactPoint)| match self.couple(i) {
+            None => joint.impulse,
+            Some(Couple { lever, .. }) => lever * joint.impulse,
+        };
+        joints.map(of_one).collect()
     }
 
     /// Whether a contact bears something, pulls, or closes where things are so fast.

@@ -23,6 +23,12 @@ impl ContactParameters {
         Self { bias, friction, adhesion: 0.0, compliance: 0.0, gap }
     }
 
+    /// What bends at a joint, and gives way by a compliance, 1/kg; its bias is still to be found.
+    pub(super) fn couple(compliance: f64) -> Self {
+        let (bias, friction) = (Vector3::zeros(), LimitCurve::Joint);
+        Self { bias, friction, adhesion: 0.0, compliance, gap: 0.0 }
+    }
+
     pub(super) fn is_joint(&self) -> bool {
         self.friction == LimitCurve::Joint
     }

@@ -61,13 +61,13 @@ impl ContactProblem {
         let point = &self.points[i];
         let contact = self.laws[i].contact(point, [0, 1]);
         let impulse = self.impulses[i];
-        let velocity = contact.frame.tr_mul(&mean.between(point)) + contact.bias;
+        let velocity = contact.frame.tr_mul(&self.between(i, mean)) + contact.bias;
         let velocity = velocity + impulse * contact.compliance;
         (contact, velocity, impulse, self.masses[i])
     }
 
     /// What the contacts do in the step of `dt` seconds where all fibres have the given mean
-    /// velocities; drifts of more than half of `slip`, m/s, were to be undone.
+    /// velocities, without couples; drifts of more than half of `slip`, m/s, were to be undone.
     pub(crate) fn work(
         &self,
         system: &CoupledSystem,
@@ -80,6 +80,9 @@ impl ContactProblem {
             let point = &self.points[i];
             let (contact, velocity, impulse, _) = self.judged(i, &mean);
             let drive = contact.frame.tr_mul(&point.drive());
+            if self.couple(i).is_some() {
+                return ContactWork::default();
+            }
             if contact.is_joint() {
                 let kinematic = impulse.dot(&drive);
                 let repair = impulse.dot(&contact.frame.tr_mul(&mean.between(point))) - kinematic;
@@ -107,6 +110,17 @@ impl ContactProblem {
             work
         };
         self.summed(|i| if self.bears(i) { of_one(i) } else { ContactWork::default() })
+    }
+
+    /// Work of couples on fibres that have the given mean velocities, J.
+    pub(crate) fn work_of_couples(&self, system: &CoupledSystem, mean: &FiberVelocities) -> f64 {
+        let mean = Velocities::new(system, mean);
+        let couples = self.points.len() - self.couples.len()..self.points.len();
+        let of_one = |i: usize| {
+            let way = self.points[i].frame().tr_mul(&self.between(i, &mean));
+            self.impulses[i].dot(&way)
+        };
+        couples.map(of_one).sum()
     }
 
     /// The sum of something of all contacts that may bear, in an order that the number of threads

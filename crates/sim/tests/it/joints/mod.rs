@@ -1,6 +1,7 @@
 //! Fibres that are joined to each other.
 
 mod balls;
+mod bending;
 mod braid;
 mod frames;
 mod rings;

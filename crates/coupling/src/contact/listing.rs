@@ -1,0 +1,119 @@
+//! What may touch where a step leads, and the problem that is made of it.
+
+use super::detection::Overlaps;
+use super::laws::ContactLaws;
+use super::node_arrays::FiberVelocities;
+use super::problem::{ContactLists, ContactProblem, ProblemWorkspace};
+use super::stepper::ContactStepper;
+use super::substep::Substep;
+use super::substep_failure::SubstepFailure;
+use super::system::CoupledSystem;
+use super::velocities::Velocities;
+use super::warm_start::{ExpectedImpulses, cache_impulses, cached_impulses, match_cached};
+use crate::TimeInterval;
+use crate::contact_point::ContactPoint;
+use crate::held_places::{HeldPlace, HeldPlaces};
+use crate::phase_times::PhaseTimer;
+use nalgebra::Vector3;
+use rapunzel_collision::CollisionError;
+
+/// How much deeper, in the depth that is allowed, a fibre may be beside where it rests on an
+/// object: less than what is worth a contact of its own.
+const HELD: f64 = 0.25;
+
+impl ContactStepper {
+    /// The problem of contact points that were listed where the step has been solved to, and mean
+    /// velocities there of what they touch. From now on no impulses act but theirs.
+    pub(super) fn case(
+        &mut self,
+        system: &mut CoupledSystem,
+        part: &Substep,
+        expected: &ExpectedImpulses,
+        points: Vec<ContactPoint>,
+        room: ProblemWorkspace,
+    ) -> Result<(ContactProblem, FiberVelocities), SubstepFailure> {
+        let mut laps = PhaseTimer::start(self.stopwatch);
+        let gravity = system.environment.gravity_at(part.time + 0.5 * part.dt).norm();
+        let laws =
+            ContactLaws::new(&self.settings, self.film.as_ref(), system.objects, gravity, part.dt);
+        let gives = self.settings.compliance > 0.0;
+        let before = if gives { cached_impulses(expected, &points) } else { Vec::new() };
+        let step = TimeInterval { start: part.time, length: part.dt };
+        let all = &self.detector.joints;
+        let joints = all.points(system, step, &self.memory.joints);
+        let moments = &self.memory.joints[joints.len()..];
+        let couples = all.junctions.points(system.fibers, part.dt, moments);
+        let lists = ContactLists { points, joints, couples };
+        let (mut case, mean) = ContactProblem::new(system, lists, part.dt, &laws, before, room)?;
+        self.bend(system, &mut case, &mean, part.dt);
+        laps.lap(&mut self.times.laws);
+        system.push(case.pushes(), part.time, part.dt)?;
+        system.fibers.with_impulses(&part.all(), case.pushes(), |group, own| group.press(own))?;
+        laps.lap(&mut self.times.rods);
+        Ok((case, mean))
+    }
+
+    /// Takes the law of what bends at joints where fibres have the given mean velocities.
+    pub(super) fn bend(
+        &self,
+        system: &CoupledSystem,
+        case: &mut ContactProblem,
+        mean: &FiberVelocities,
+        dt: f64,
+    ) {
+        let junctions = &self.detector.joints.junctions;
+        if !junctions.is_empty() {
+            case.bend(&Velocities::new(system, mean), &junctions.moments(system.fibers, dt));
+        }
+    }
+
+    /// Lists the contact points where the step leads, with the impulses expected of them.
+    pub(super) fn list(
+        &mut self,
+        system: &CoupledSystem,
+        part: &Substep,
+        expected: &ExpectedImpulses,
+    ) -> Result<Vec<ContactPoint>, CollisionError> {
+        let mut laps = PhaseTimer::start(self.stopwatch);
+        let mut points = std::mem::take(&mut self.points);
+        let ends = system.fibers.ends(&self.shapes);
+        let motion = part.motion(system, &self.shapes, &ends);
+        let held: Vec<HeldPlace> = expected.held_places().collect();
+        let held = HeldPlaces { places: &held, slack: HELD * self.depth() };
+        self.detector.detect(&motion, system.objects, &held, &mut points)?;
+        match_cached(expected, &mut points);
+        motion.sections.settle(motion.layout, part.dt, &mut points);
+        laps.lap(&mut self.times.detection);
+        Ok(points)
+    }
+
+    /// Lists what overlaps where the substep has been solved to, with such contacts; how deep at
+    /// most is told where these do not give way.
+    pub(super) fn look_at_end(
+        &mut self,
+        system: &CoupledSystem,
+        part: &Substep,
+        bearing: &[ContactPoint],
+    ) -> Result<Overlaps, CollisionError> {
+        let mut laps = PhaseTimer::start(self.stopwatch);
+        let ends = system.fibers.ends(&self.shapes);
+        let motion = part.motion(system, &self.shapes, &ends);
+        let shallow = self.shallow();
+        let mut found = self.detector.overlaps(&motion, system.objects, shallow)?;
+        if self.settings.compliance > 0.0 {
+            // What is not listed is no deeper.
+            let mut known = Vec::new();
+            cache_impulses(bearing, &mut known);
+            let impulses =
+                cached_impulses(&ExpectedImpulses { known: &known, scale: 1.0 }, &found.points);
+            let gives = self.settings.compliance / part.dt;
+            let depth = |(point, impulse): (&ContactPoint, Vector3<f64>)| {
+                -point.gap - gives * impulse.dot(&point.normal)
+            };
+            let depths = found.points.iter().zip(impulses).map(depth);
+            found.deepest = depths.fold(found.deepest.min(shallow), f64::max);
+        }
+        laps.lap(&mut self.times.detection);
+        Ok(found)
+    }
+}
