@@ -75,8 +75,8 @@ impl GalleryScene {
 pub(crate) enum Omission {
     /// A scene that names files which are not there.
     NeedsFiles,
-    /// A scene whose hair grows from a style first and settles, for seconds to minutes: a card opens
-    /// at once, and its picture must not keep the others waiting.
+    /// A scene whose hair grows from a style first and settles, for seconds to minutes: a card
+    /// opens at once, and its picture must not keep the others waiting.
     Grows,
     /// A style, which grows for a while.
     IsStyle,

@@ -378,17 +378,15 @@ fn templates_are_sound_and_not_overwritten() {
     assert_eq!([new(&[]), new(&[]), new(&["--force"])], [Some(0), Some(4), Some(0)]);
     let path = folder.path().join("buckling.ron");
     assert!(rapunzel().arg("check").arg(path).status().expect("runs").success());
-    let mut rope = rapunzel();
-    rope.current_dir(folder.path()).args(["new", "mass-spring/rope"]);
-    assert_eq!(rope.output().expect("runs").status.code(), Some(0));
+    let named = [("mass-spring/rope", "rope.ron"), ("contact/head", "standing.ron")];
+    for (name, file) in named.into_iter().chain([("charge/half-head", "head.obj")]) {
+        let made = rapunzel().current_dir(folder.path()).args(["new", name]).status();
+        assert!(made.expect("runs").success() && folder.path().join(file).exists(), "{name}");
+    }
     let checked = rapunzel().arg("check").arg(folder.path().join("rope.ron")).output();
     let checked = String::from_utf8(checked.expect("runs").stdout).expect("text");
     assert!(checked.contains("nodes     40, of a mass-spring system"), "{checked}");
-    let head = rapunzel().current_dir(folder.path()).args(["new", "contact/head"]).status();
-    assert!(head.expect("runs").success() && folder.path().join("standing.ron").exists());
     assert!(!fs::read_to_string(folder.path().join("head.ron")).expect("a scene").contains(".."));
-    let half = rapunzel().current_dir(folder.path()).args(["new", "charge/half-head"]).status();
-    assert!(half.expect("runs").success() && folder.path().join("head.obj").exists());
     let unknown = rapunzel().args(["new", "wig"]).output().expect("runs");
     assert_eq!(unknown.status.code(), Some(2));
     assert!(stderr(&unknown).contains("lock-under-gravity"), "the list: {}", stderr(&unknown));

@@ -15,7 +15,7 @@ use std::{env, fs};
 const FINDINGS: &str = "axe.run(document, { resultTypes: ['violations'] }).then((result) =>
     result.violations.map((one) => `${one.impact} ${one.id}: ${one.nodes[0].html.slice(0, 200)}`))";
 
-/// Looks at what is shown in both themes and languages, wide and narrow, with and without the sheet.
+/// Looks at what is shown in both themes and languages, wide and narrow, with and without help.
 fn look(browser: &mut Browser, axe: &str, what: &str) {
     browser.value(&format!("{axe}; 0"));
     for width in [1000, 360] {

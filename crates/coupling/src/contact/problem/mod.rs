@@ -1,5 +1,6 @@
 //! The contacts of a step as the solver takes them.
 
+mod couples;
 mod culling;
 pub(super) mod groups;
 mod near;
