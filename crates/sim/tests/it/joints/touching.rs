@@ -44,6 +44,23 @@ fn joints_of_fibres_that_may_touch_are_the_same() {
     assert!(books.worst < 1e-9, "{:e}", books.worst);
 }
 
+/// What balls of fibres that may touch bear goes on after a restart, to the last bit.
+#[test]
+fn balls_in_contact_resume_to_the_same_bits() {
+    let more = "objects: [(shape: Plane(normal: (0, 0, 1)), position: (0, 0, -0.09))],
+        contact: (friction: Isotropic(0.3))";
+    let mut run = chain(more);
+    run.steps(60);
+    assert!(run.world.contacts().next().is_some(), "it touches the floor");
+    let saved = run.world.snapshot();
+    run.steps(10);
+    let whole = run.world.snapshot();
+    let mut again = chain(more);
+    again.world.restore(&saved).expect("the same world");
+    again.steps(10);
+    assert!(again.world.snapshot() == whole);
+}
+
 /// A chain of fibres with joints that falls on the floor comes to rest there, still joined.
 #[test]
 fn a_chain_falls_on_the_floor() {
