@@ -23,8 +23,8 @@ struct NodeByObject {
     place: Point3<f64>,
     /// Value of the object's field there, m.
     value: f64,
-    /// How far it has gone in that frame, m.
-    way: f64,
+    /// Square of how far it has gone in that frame, m^2.
+    squared_way: f64,
 }
 
 /// One fibre before and after a step.
@@ -101,11 +101,11 @@ impl CollisionObject {
         let own = |node: &Point3<f64>, when: usize| {
             turns[when].inverse_transform_point(&(node - poses[when].translation.vector))
         };
-        let way = |node: usize| {
+        // Where it rests ways are as long in any frame.
+        let rests = poses[0] == poses[1];
+        let squared_way = |node: usize| {
             let (before, after) = (&strand.start[node], &strand.end[node]);
-            // Where it rests they are as long in any frame.
-            let rests = poses[0] == poses[1];
-            if rests { after - before } else { own(after, 1) - own(before, 0) }.norm()
+            if rests { after - before } else { own(after, 1) - own(before, 0) }.norm_squared()
         };
         let largest = |all: &[f64]| all.iter().copied().fold(0.0, f64::max);
         let (mut nodes, mut ways, mut contacts) = (Vec::new(), Vec::new(), Vec::new());
@@ -113,20 +113,20 @@ impl CollisionObject {
             let radii = &strand.radii[first..strand.radii.len().min(first + BLOCK)];
             let block = first..first + radii.len() + 1;
             ways.clear();
-            ways.extend(block.clone().map(way));
+            ways.extend(block.clone().map(squared_way));
             // What one node tells of all that is not farther from it.
             let middle = &strand.end[first + radii.len() / 2];
             let around =
                 strand.end[block.clone()].iter().map(|node| (node - middle).norm_squared());
             let around = around.fold(0.0, f64::max).sqrt();
-            let reach = slope * (around + largest(&ways)) + largest(radii) + margin;
+            let reach = slope * (around + largest(&ways).sqrt()) + largest(radii) + margin;
             if field.value(&own(middle, 1)) > reach {
                 continue;
             }
             nodes.clear();
-            nodes.extend(strand.end[block].iter().zip(&ways).map(|(node, &way)| {
+            nodes.extend(strand.end[block].iter().zip(&ways).map(|(node, &squared_way)| {
                 let place = own(node, 1);
-                NodeByObject { place, value: field.value(&place), way }
+                NodeByObject { place, value: field.value(&place), squared_way }
             }));
             for (k, &radius) in radii.iter().enumerate() {
                 let s = first + k;
@@ -134,7 +134,7 @@ impl CollisionObject {
                 let after = ends.map(|node| node.place);
                 let (start, end) = (strand.end[s], strand.end[s + 1]);
                 let length = (end - start).norm();
-                let way = ends[0].way.max(ends[1].way);
+                let way = ends[0].squared_way.max(ends[1].squared_way).sqrt();
                 let nearest = 0.5 * (ends[0].value + ends[1].value - slope * length);
                 // No point of other segments is near enough, or was on the way.
                 let reach = slope * way + radius + margin;

@@ -33,9 +33,14 @@ pub(super) struct MovingLine {
     own: f32,
 }
 
-/// All segments on their ways from `start` to `end`, where to be within `reach`, m, of each other
-/// counts.
-pub(super) fn lines(start: &Capsules, end: &Capsules, reach: f64) -> Vec<MovingLine> {
+/// Replaces `lines` by all segments on their ways from `start` to `end`, where to be within
+/// `reach`, m, of each other counts.
+pub(super) fn take_lines(
+    start: &Capsules,
+    end: &Capsules,
+    reach: f64,
+    lines: &mut Vec<MovingLine>,
+) {
     let line = |segment| {
         let nodes = start.layout().segment_nodes(segment);
         let [p, q] = nodes.map(|node| start.positions()[node]);
@@ -51,7 +56,7 @@ pub(super) fn lines(start: &Capsules, end: &Capsules, reach: f64) -> Vec<MovingL
             own: above((own + roundings) * (1.0 + 4.0 * NUMBER)),
         }
     };
-    (0..start.len()).into_par_iter().map(line).collect()
+    (0..start.len()).into_par_iter().map(line).collect_into_vec(lines);
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "rounding is what it is for")]
@@ -197,7 +202,9 @@ mod tests {
         let [start, end] =
             [start, end].map(|x| Capsules::new(&layout, x, &[RADIUS; 2]).expect("valid"));
         let mut pairs = vec![[0, 1]];
-        sift(&lines(&start, &end, reach), &mut pairs);
+        let mut lines = Vec::new();
+        take_lines(&start, &end, reach, &mut lines);
+        sift(&lines, &mut pairs);
         !pairs.is_empty()
     }
 

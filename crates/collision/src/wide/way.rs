@@ -1,7 +1,7 @@
 //! Pairs that may come near each other on a motion.
 
 use super::Tree;
-use super::lines::{lines, sift};
+use super::lines::{MovingLine, sift, take_lines};
 use crate::join::join;
 use crate::narrow::squared_distances;
 use crate::{Capsules, CollisionError, Pair};
@@ -23,6 +23,8 @@ pub(super) struct Way {
     aside: f64,
     /// All pairs, and their squared distances at the start, m².
     all: Vec<(Pair, f64)>,
+    /// Workspace: all segments.
+    lines: Vec<MovingLine>,
 }
 
 /// Ends of a motion that are not those that were expected.
@@ -63,14 +65,13 @@ impl Way {
     ) -> Result<(), CollisionError> {
         tree.refit_swept(start, end, 0.5 * (reach + slack))?;
         let mut pairs = Vec::new();
-        let lines = lines(start, end, reach + slack);
+        take_lines(start, end, reach + slack, &mut self.lines);
+        let lines = &self.lines;
         let sifted = |pairs: &mut Vec<Pair>| {
-            sift(&lines, pairs);
+            sift(lines, pairs);
             pairs.clone()
         };
         tree.sifted_pairs(sifted, &mut pairs);
-        // They are large, and no more needed.
-        drop(lines);
         self.set_out([start, end], ways, &pairs, [reach, slack]);
         Ok(())
     }

@@ -138,28 +138,30 @@ impl<S: Simd> SimdBatch<S> {
                 let one = zero.lift(1.0);
                 let stiffening = chain.nozzle.as_ref().map_or(one, |n| chain.one(&n.stiffening, a));
                 let rest = chain.vec(&model.rest, a).scale(stiffening.recip());
-                let V3(strain) = chain.vec(&self.phi, a) - rest;
-                let V3(stiffness) = chain.vec(&model.stiffness, a);
-                let squares =
-                    (0..3).fold(zero, |sum, i| (strain[i] * strain[i]).mul_add(stiffness[i], sum));
-                elastic = (joined * stiffening * half).mul_add(squares, elastic);
+                let strain = chain.vec(&self.phi, a) - rest;
+                let V3(mut moment) = chain.vec(&model.stiffness, a);
+                for i in 0..3 {
+                    moment[i] = moment[i] * strain.0[i];
+                }
+                let twice = V3(moment).dot(strain);
+                elastic = (joined * stiffening * half).mul_add(twice, elastic);
             }
         }
         for e in 0..chain.n {
-            let rates = [2 * e, 2 * e + 1].map(|i| chain.vec(&self.directors.v, i));
-            let mut squares = rates.map(|rate| rate.dot(rate));
-            if chain.spins {
-                // Of `director_rates`, whose parts are at right angles.
-                let [d1, d2, _] = Quat::load(chain.simd, &chain.q, e).directors();
-                let (axis, spin) = (rates[0], rates[1].0[0]);
-                squares = [d1, d2].map(|d| {
-                    let aside = axis.dot(d);
-                    aside.mul_add(aside, spin * spin)
-                });
-            }
+            let first = chain.vec(&self.directors.v, 2 * e);
+            let second = chain.vec(&self.directors.v, 2 * e + 1);
+            let directors = Quat::load(chain.simd, &chain.q, e).directors();
             for k in 0..2 {
+                let square = if chain.spins {
+                    // Of `director_rates`, whose parts are at right angles.
+                    let (aside, spin) = (first.dot(directors[k]), second.0[0]);
+                    aside.mul_add(aside, spin * spin)
+                } else {
+                    let rate = if k == 0 { first } else { second };
+                    rate.dot(rate)
+                };
                 let inertia = chain.one(&model.inertia, 2 * e + k);
-                kinetic = (inertia * half).mul_add(squares[k], kinetic);
+                kinetic = (inertia * half).mul_add(square, kinetic);
             }
         }
         let mut energies = [Energy::default(); LANES];

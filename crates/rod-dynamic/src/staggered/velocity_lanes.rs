@@ -153,11 +153,14 @@ impl<S: Simd> SimdBatch<S> {
             #[inline(always)]
             fn call(mut self) {
                 let rate = Lane::splat(self.pack.chain.simd, self.dt.recip());
-                match self.some {
-                    Some(some) => some.iter().for_each(|&i| self.one(i, rate)),
-                    None => {
-                        let count = self.out.first().map_or(0, |own| own.len());
-                        (0..count).for_each(|i| self.one(i, rate));
+                // Closures would not be compiled for these registers.
+                if let Some(some) = self.some {
+                    for &i in some {
+                        self.one(i, rate);
+                    }
+                } else {
+                    for i in 0..self.out.first().map_or(0, |own| own.len()) {
+                        self.one(i, rate);
                     }
                 }
             }
