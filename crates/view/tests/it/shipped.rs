@@ -223,12 +223,12 @@ fn field_lines_and_two_runs_are_drawn() {
     let served = Served::scene(folder.path(), crate::common::CHARGED);
     browser.open(&served.url);
     browser.wait("rapunzel.about.kind === 'live' && rapunzel.isFit");
-    browser.value("document.getElementById('field').click()");
     for _ in 0..4 {
         browser.key(".");
     }
     browser.wait("rapunzel.state.steps === 4");
     let (plain, _) = lit(&mut browser);
+    browser.value("document.getElementById('field').click()");
     browser.wait("rapunzel.painter.frame.lines.counts.length > 5");
     let (shown, _) = lit(&mut browser);
     // A line is a pixel wide, and as long as the hair at least.
