@@ -18,36 +18,34 @@ const SOURCES_PER_SUM: usize = 64;
 /// 1e-7, and their field by 4e-5 of it.
 const CLOSE: f32 = 1e-2;
 
-/// Adds to `out[k]` the potential (1/m) and the negative field (1/m^2) that the `ranges` of
-/// `sources` make at the target k of `cell`, for their charges: to some 1e-6 of each pair, if
-/// `fine`, else to 4e-5, with coordinates that are rounded to single precision where no pair is
-/// close. The sources within `own` are the targets of the cell. Lengths are divided by the larger
-/// of the radius of the cell and `least` (m), which keeps all powers of distances within range.
-///
-/// Cost: 0.2 ns a pair with AVX-512.
-pub(crate) fn add_pairs_single(
-    sources: &Cloud,
-    ranges: &[Range<usize>],
-    places: &[Vec<f64>; 3],
-    cell: &Cell,
-    own: &Range<usize>,
-    least: f64,
-    fine: bool,
-    out: &mut [[f64; 4]],
-) {
-    dispatch(SinglePairs { sources, ranges, places, cell, own, least, fine, out });
+/// Pairs of which the sums are wanted.
+pub(crate) struct SinglePairs<'a> {
+    pub(crate) sources: &'a Cloud,
+    /// Ranges of the sources.
+    pub(crate) ranges: &'a [Range<usize>],
+    /// Coordinates of all targets (world, m), of which those of the `cell` are wanted.
+    pub(crate) places: &'a [Vec<f64>; 3],
+    pub(crate) cell: &'a Cell,
+    /// The sources that are the targets themselves.
+    pub(crate) own: Range<usize>,
+    /// Lengths are divided by the larger of the radius of the cell and this, m, which keeps all
+    /// powers of distances within range.
+    pub(crate) least: f64,
+    /// Whether each pair is to be found to some 1e-6, else to 4e-5, with coordinates that are
+    /// rounded to single precision where no pair is close.
+    pub(crate) fine: bool,
+    /// Sums of the targets of the cell.
+    pub(crate) out: &'a mut [[f64; 4]],
 }
 
-/// Arguments of [`add_pairs_single`].
-struct SinglePairs<'a> {
-    sources: &'a Cloud,
-    ranges: &'a [Range<usize>],
-    places: &'a [Vec<f64>; 3],
-    cell: &'a Cell,
-    own: &'a Range<usize>,
-    least: f64,
-    fine: bool,
-    out: &'a mut [[f64; 4]],
+impl SinglePairs<'_> {
+    /// Adds to the sums the potential (1/m) and the negative field (1/m^2) that the sources make at
+    /// each target, for their charges.
+    ///
+    /// Cost: 0.2 ns a pair with AVX-512.
+    pub(crate) fn add(self) {
+        dispatch(self);
+    }
 }
 
 /// Source: coordinates in the frame of the cell, what their rounding leaves, and half of the
@@ -85,7 +83,7 @@ impl CellFrame {
 impl Kernel for SinglePairs<'_> {
     #[inline(always)]
     fn run<S: Simd, R: Roots<S> + Roots<S, f32>>(self, simd: S, roots: R) {
-        let Self { sources, ranges, places, cell, own, least, fine, out } = self;
+        let Self { sources, ranges, places, cell, ref own, least, fine, out } = self;
         let frame = CellFrame { center: cell.center.into(), inverse: 1.0 / cell.scale.max(least) };
         // The targets themselves come first: each has a pair of no distance.
         let split = |targets| {

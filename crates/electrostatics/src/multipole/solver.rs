@@ -6,7 +6,7 @@ use super::accuracy::{
 };
 use super::downward::{BODIES_PER_TASK, Degrees, Descent, Far, Leaf, Task};
 use super::reference::{Reference, wanted};
-use super::single::add_pairs_single;
+use super::single::SinglePairs;
 use super::tree::{Cell, Octree};
 use super::upward::{Multipoles, nothing, parts};
 use crate::ElectrostaticsError;
@@ -247,7 +247,8 @@ impl<E: Coefficient> PointSum<'_, E> {
             let fine =
                 !matches!(self.plan.accuracy, Accuracy::Tolerance(t) if t >= COARSE_COORDINATES);
             let own = if self.plan.targets.is_none() { cell.bodies.clone() } else { 0..0 };
-            add_pairs_single(self.cloud, near, self.places, cell, &own, least, fine, out);
+            let (sources, ranges, places) = (self.cloud, near, self.places);
+            SinglePairs { sources, ranges, places, cell, own, least, fine, out }.add();
         }
     }
 

@@ -174,6 +174,7 @@ fn bonds_carry_a_torque() {
             unreachable!("fibres only");
         };
         let nodes = bonded.world.state(first as usize).positions;
+        #[expect(clippy::cast_possible_truncation, reason = "there are few segments")]
         let segment = (contact.at[0] as usize).min(nodes.len() - 2);
         let axis = nodes[segment].lerp(&nodes[segment + 1], contact.at[0] - segment as f64);
         let sense = f64::from(first == 1) - f64::from(second == 1);
