@@ -91,7 +91,7 @@ pub fn write(
 /// would be seen on a sheet, without a scale. Cost: a ray for every pixel.
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write()`].
 pub fn write_small(
     out: &mut impl Write,
     frame: &PreviewFrame,
