@@ -1,34 +1,9 @@
+use crate::body_ref::BodyRef;
 use nalgebra::{Matrix3, Vector3};
-use serde::{Deserialize, Serialize};
-use std::fmt;
 use std::ops::Range;
 
 /// By this, rad, a normal along a fibre is tilted.
 const TILT: f64 = 1e-9;
-
-/// One of the two that touch.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-pub enum BodyRef {
-    /// A fibre, which may touch itself.
-    Fiber(u32),
-    /// An object of the scene.
-    Object(u32),
-}
-
-impl BodyRef {
-    fn is_object(&self) -> bool {
-        matches!(self, Self::Object(_))
-    }
-}
-
-impl fmt::Display for BodyRef {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Fiber(fiber) => write!(f, "fibre {fiber}"),
-            Self::Object(object) => write!(f, "objects[{object}]"),
-        }
-    }
-}
 
 /// Cosine of the angle from which on two normals of fibres face each other: about a bend both of
 /// two at right angles may be needed. A corner of an object has but one at a time.
@@ -102,6 +77,24 @@ impl ContactImpulse {
 }
 
 impl ContactPoint {
+    /// A contact point that has borne nothing: what a new one is but for its place.
+    pub(crate) const IDLE: Self = Self {
+        sides: [BodyRef::Fiber(0); 2],
+        segments: [0; 2],
+        fractions: [0.0; 2],
+        normal: Vector3::new(1.0, 0.0, 0.0),
+        arms: [Vector3::new(0.0, 0.0, 0.0); 2],
+        offsets: [Vector3::new(0.0, 0.0, 0.0); 2],
+        gap: 0.0,
+        impulse: Vector3::new(0.0, 0.0, 0.0),
+        drift: Vector3::new(0.0, 0.0, 0.0),
+        lean: Vector3::new(0.0, 0.0, 0.0),
+        rests: false,
+        working: false,
+        bonded: false,
+        kinematic: false,
+    };
+
     /// What it does with an impulse on the first side, N s, world.
     pub(crate) fn push(&self, impulse: Vector3<f64>) -> ContactImpulse {
         let Self { sides, segments, fractions, .. } = *self;
@@ -351,13 +344,7 @@ mod tests {
             arms: [Vector3::x(); 2],
             offsets: [Vector3::zeros(); 2],
             gap,
-            impulse: Vector3::zeros(),
-            drift: Vector3::zeros(),
-            lean: Vector3::zeros(),
-            rests: false,
-            working: false,
-            bonded: false,
-            kinematic: false,
+            ..ContactPoint::IDLE
         }
     }
 

@@ -1,4 +1,5 @@
-use crate::contact_point::{BodyRef, ContactPoint};
+use crate::body_ref::BodyRef;
+use crate::contact_point::ContactPoint;
 use serde::{Deserialize, Serialize};
 
 /// What the contacts of a step, or of a run, were and cost.

@@ -1,7 +1,8 @@
 //! Where a fibre touches an object, and where it would have passed into it.
 
 use crate::TimeInterval;
-use crate::contact_point::{BodyRef, ContactPoint};
+use crate::body_ref::BodyRef;
+use crate::contact_point::ContactPoint;
 use crate::held_places::HeldPlaces;
 use crate::object::{CollisionObject, ObjectMotion};
 use nalgebra::{Point3, Vector3};
@@ -196,13 +197,8 @@ impl CollisionObject {
                         arms: [end - start, own],
                         offsets: [-radius * normal, Vector3::zeros()],
                         gap: contact.gap,
-                        impulse: Vector3::zeros(),
-                        drift: Vector3::zeros(),
-                        lean: Vector3::zeros(),
-                        rests: false,
-                        working: false,
-                        bonded: false,
                         kinematic: !self.is_free(),
+                        ..ContactPoint::IDLE
                     });
                 }
             }

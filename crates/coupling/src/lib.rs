@@ -2,6 +2,7 @@
 
 mod array_pool;
 mod batch;
+mod body_ref;
 mod conditions;
 mod contact;
 mod contact_point;
@@ -22,11 +23,11 @@ mod surroundings;
 mod time_interval;
 
 pub use batch::{RodBatch, Rods};
+pub use body_ref::BodyRef;
 pub use conditions::{BundleConditions, FiberConditions};
 pub use contact::{
     ActiveContact, BallJoint, ContactJoints, ContactWork, FibersInContact, Separation, separate,
 };
-pub use contact_point::BodyRef;
 pub use contact_report::{ContactReport, Unresolved};
 pub use error::CouplingError;
 pub use fibers::Fibers;

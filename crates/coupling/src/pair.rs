@@ -5,7 +5,8 @@
 //! round shape is its own skeleton, and tells all of a pair alone.
 
 use crate::TimeInterval;
-use crate::contact_point::{BodyRef, ContactPoint};
+use crate::body_ref::BodyRef;
+use crate::contact_point::ContactPoint;
 use crate::object::{CollisionObject, ObjectMotion};
 use nalgebra::{Isometry3, Point3, Vector3};
 use rapunzel_collision::Capsule;
@@ -205,13 +206,8 @@ impl PairStep<'_> {
             arms: [0, 1].map(own),
             offsets: [Vector3::zeros(); 2],
             gap,
-            impulse: Vector3::zeros(),
-            drift: Vector3::zeros(),
-            lean: Vector3::zeros(),
-            rests: false,
-            working: false,
-            bonded: false,
             kinematic: !self.pair.0[1].is_free(),
+            ..ContactPoint::IDLE
         };
         (point, place)
     }

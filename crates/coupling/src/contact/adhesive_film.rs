@@ -1,6 +1,7 @@
 //! What a film between two things pulls with.
 
-use crate::contact_point::{BodyRef, ContactPoint};
+use crate::body_ref::BodyRef;
+use crate::contact_point::ContactPoint;
 use rapunzel_contact::{ContactError, Cylinders};
 use rapunzel_fiber::Assembly;
 use rapunzel_scene::Adhesion;

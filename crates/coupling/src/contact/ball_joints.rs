@@ -7,7 +7,8 @@
 
 use super::junctions::ContactJunctions;
 use super::system::CoupledSystem;
-use crate::contact_point::{BodyRef, ContactImpulse, ContactPoint};
+use crate::body_ref::BodyRef;
+use crate::contact_point::{ContactImpulse, ContactPoint};
 use crate::joints::refuse_repeated;
 use crate::object::ObjectMotion;
 use crate::{Connection, CouplingError, FiberPlace, NodeJoint, TimeInterval};
@@ -232,12 +233,7 @@ impl BallJoints {
                 offsets: [Vector3::zeros(); 2],
                 gap: 0.0,
                 impulse: *impulse,
-                drift: Vector3::zeros(),
-                lean: Vector3::zeros(),
-                rests: false,
-                working: false,
-                bonded: false,
-                kinematic: false,
+                ..ContactPoint::IDLE
             };
             let place = match *second {
                 JoinedSide::Node(other) => {

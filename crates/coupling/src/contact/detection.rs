@@ -5,12 +5,12 @@ use super::fiber_contacts::{fiber_number, fiber_rank, fibers, put_together, same
 use super::pair_lists::{DETECTION_CHUNK, by_fibers, of_overlapping, sort};
 use super::sections::OrientedSections;
 use super::tunnelling::{bends, goes_on, keep_sides, leads_through};
-use crate::TimeInterval;
-use crate::contact_point::{self, BodyRef, ContactPoint, retain_others};
+use crate::body_ref::BodyRef;
+use crate::contact_point::{self, ContactPoint, retain_others};
 use crate::fiber_on_object::MovingFiber;
 use crate::held_places::HeldPlaces;
 use crate::object::CollisionObject;
-use crate::pair;
+use crate::{TimeInterval, pair};
 use nalgebra::Point3;
 use rapunzel_collision::{
     Candidates, CapsuleContact, Capsules, CollisionError, Pair, contacts_of_groups,

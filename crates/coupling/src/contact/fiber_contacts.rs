@@ -1,7 +1,7 @@
 //! Touches of fibres, of what is found of their segments.
 
-use crate::contact_point::{BodyRef, ContactKey, ContactPoint};
-use nalgebra::Vector3;
+use crate::body_ref::BodyRef;
+use crate::contact_point::{ContactKey, ContactPoint};
 use rapunzel_collision::{CapsuleContact, Capsules, Pair};
 use rapunzel_fiber::Layout;
 use rayon::prelude::*;
@@ -70,13 +70,7 @@ fn fiber_touch(here: &Capsules, contact: &CapsuleContact) -> ContactPoint {
         arms: capsules.map(|capsule| capsule.end - capsule.start),
         offsets: [capsules[0].radius * to_second, capsules[1].radius * to_first],
         gap: contact.gap,
-        impulse: Vector3::zeros(),
-        drift: Vector3::zeros(),
-        lean: Vector3::zeros(),
-        rests: false,
-        working: false,
-        bonded: false,
-        kinematic: false,
+        ..ContactPoint::IDLE
     }
 }
 

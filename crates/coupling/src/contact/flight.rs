@@ -3,7 +3,8 @@
 
 use super::ball_joints::BallJoints;
 use super::system::CoupledSystem;
-use crate::contact_point::{BodyRef, ContactPoint};
+use crate::body_ref::BodyRef;
+use crate::contact_point::ContactPoint;
 
 /// Whether each fibre is a side of any of some contact points or joints.
 fn touching(fibers: usize, points: &[ContactPoint], joints: &BallJoints) -> Vec<bool> {

@@ -3,7 +3,7 @@ use super::contact_work::ContactWork;
 use super::stepper::ContactStepper;
 use super::system::CoupledSystem;
 use super::warm_start::{ActiveContact, WarmStart};
-use crate::contact_point::BodyRef;
+use crate::body_ref::BodyRef;
 use crate::contact_report::ContactReport;
 use crate::phase_times::Stopwatch;
 use crate::{CouplingError, Fibers, StepReport, Surroundings};

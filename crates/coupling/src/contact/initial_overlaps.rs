@@ -5,7 +5,8 @@ use super::sections::{OrientedSections, SectionShapes};
 use super::system::CoupledSystem;
 use crate::CouplingError;
 use crate::TimeInterval;
-use crate::contact_point::{BodyRef, ContactPoint};
+use crate::body_ref::BodyRef;
+use crate::contact_point::ContactPoint;
 use crate::held_places::HeldPlaces;
 use rapunzel_rod_dynamic::{Conditions, End};
 

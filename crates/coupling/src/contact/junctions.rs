@@ -10,7 +10,8 @@
 use super::system::CoupledSystem;
 use crate::Fibers;
 use crate::NodeJoint;
-use crate::contact_point::{BodyRef, ContactImpulse, ContactPoint};
+use crate::body_ref::BodyRef;
+use crate::contact_point::{ContactImpulse, ContactPoint};
 use crate::joints::Junction;
 use nalgebra::{Matrix3, SymmetricEigen, UnitQuaternion, Vector3};
 use rapunzel_rod_dynamic::{Ledger, StaggeredBatch};
@@ -169,12 +170,7 @@ impl ContactJunction {
             offsets: [Vector3::zeros(); 2],
             gap: 0.0,
             impulse,
-            drift: Vector3::zeros(),
-            lean: Vector3::zeros(),
-            rests: false,
-            working: false,
-            bonded: false,
-            kinematic: false,
+            ..ContactPoint::IDLE
         }
     }
 }

@@ -1,7 +1,8 @@
 //! What a contact point obeys, by the scene, its partner and what it did when the step began.
 
 use super::adhesive_film::AdhesiveFilm;
-use crate::contact_point::{BodyRef, ContactPoint};
+use crate::body_ref::BodyRef;
+use crate::contact_point::ContactPoint;
 use crate::object::CollisionObject;
 use nalgebra::Vector3;
 use rapunzel_contact::{Bond, ContactError, LimitCurve, closing};

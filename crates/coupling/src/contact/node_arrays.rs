@@ -3,7 +3,8 @@
 use super::sections::SectionShapes;
 use super::touched_parts::TouchedParts;
 use crate::array_pool::PooledArray;
-use crate::contact_point::{BodyRef, ContactImpulse};
+use crate::body_ref::BodyRef;
+use crate::contact_point::ContactImpulse;
 use crate::{FiberGroup, Fibers};
 use nalgebra::{Point3, Vector3};
 use rapunzel_rod_dynamic::{

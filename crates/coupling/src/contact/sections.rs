@@ -11,7 +11,8 @@
 //! pressed, and its places follow from list to list, not within a solve. What would rock faster
 //! than a step can follow is pressed along the normal, without what is aside.
 
-use crate::contact_point::{BodyRef, ContactPoint};
+use crate::body_ref::BodyRef;
+use crate::contact_point::ContactPoint;
 use nalgebra::Vector3;
 use rapunzel_collision::segment_radii;
 use rapunzel_fiber::{Assembly, Fiber, Layout};

@@ -2,8 +2,9 @@
 
 use super::detection::{ContactDetector, NodeMotion};
 use super::sections::{OrientedSections, SectionShapes};
+use crate::body_ref::BodyRef;
 use crate::conditions::ROOT;
-use crate::contact_point::{BodyRef, ContactPoint};
+use crate::contact_point::ContactPoint;
 use crate::held_places::HeldPlaces;
 use crate::{CouplingError, Surroundings, TimeInterval};
 use nalgebra::{Point3, Vector3};

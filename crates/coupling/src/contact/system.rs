@@ -1,4 +1,5 @@
-use crate::contact_point::{BodyRef, ContactImpulse};
+use crate::body_ref::BodyRef;
+use crate::contact_point::ContactImpulse;
 use crate::free_body::moved;
 use crate::object::{CollisionObject, ObjectMotion};
 use crate::{Fibers, Surroundings};

@@ -1,7 +1,8 @@
 //! The parts of fibres that have contact points.
 
 use crate::Fibers;
-use crate::contact_point::{BodyRef, ContactPoint};
+use crate::body_ref::BodyRef;
+use crate::contact_point::ContactPoint;
 use rapunzel_rod_dynamic::StaggeredBatch;
 
 /// All fibres are looked at where there is a contact point for one in so many segments.

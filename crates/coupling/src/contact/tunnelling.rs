@@ -2,7 +2,8 @@
 //! changed sides, and which places where they seem to touch are none.
 
 use super::fiber_contacts::fibers;
-use crate::contact_point::{BodyRef, ContactPoint, retain_others};
+use crate::body_ref::BodyRef;
+use crate::contact_point::{ContactPoint, retain_others};
 use nalgebra::Vector3;
 use rapunzel_collision::continuous::{Impact, MovingSegment};
 use rapunzel_collision::{CapsuleContact, Capsules, Pair};
@@ -182,13 +183,7 @@ mod tests {
                 arms: [Vector3::x(); 2],
                 offsets: [Vector3::zeros(); 2],
                 gap: 0.2,
-                impulse: Vector3::zeros(),
-                drift: Vector3::zeros(),
-                lean: Vector3::zeros(),
-                rests: false,
-                working: false,
-                bonded: false,
-                kinematic: false,
+                ..ContactPoint::IDLE
             };
             let mut points: Vec<_> = all.iter().map(point).collect();
             keep_sides(&start, &mut points);

@@ -1,6 +1,7 @@
 use super::node_arrays::FiberVelocities;
 use super::system::CoupledSystem;
-use crate::contact_point::{BodyRef, ContactPoint};
+use crate::body_ref::BodyRef;
+use crate::contact_point::ContactPoint;
 use crate::object::ObjectMotion;
 use nalgebra::Vector3;
 use rapunzel_contact::RigidBody;

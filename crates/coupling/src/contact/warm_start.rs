@@ -1,7 +1,8 @@
 //! Impulses of the step before, from which the search for those of this step starts.
 
 use super::contact_work::ContactWork;
-use crate::contact_point::{BodyRef, ContactImpulse, ContactPoint};
+use crate::body_ref::BodyRef;
+use crate::contact_point::{ContactImpulse, ContactPoint};
 use crate::contact_report::ContactReport;
 use crate::held_places::HeldPlace;
 use nalgebra::Vector3;

@@ -1,10 +1,10 @@
 //! Contacts that push at a place, and those that are couples, as points of bodies.
 
 use super::ContactProblem;
+use crate::body_ref::BodyRef;
 use crate::contact::junctions::Couple;
 use crate::contact::system::CoupledSystem;
 use crate::contact::velocities::Velocities;
-use crate::contact_point::BodyRef;
 use nalgebra::Vector3;
 use rapunzel_rod_dynamic::{Point, PointAction};
 

@@ -1,7 +1,8 @@
 //! Which contacts of a long list can close at all.
 
+use crate::body_ref::BodyRef;
 use crate::contact::system::CoupledSystem;
-use crate::contact_point::{BodyRef, ContactPoint};
+use crate::contact_point::ContactPoint;
 use crate::object::CollisionObject;
 use nalgebra::Vector3;
 use rapunzel_fiber::Layout;

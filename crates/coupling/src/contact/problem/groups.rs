@@ -2,8 +2,8 @@
 
 use super::ContactProblem;
 use super::sides::ContactSide;
+use crate::body_ref::BodyRef;
 use crate::contact::system::CoupledSystem;
-use crate::contact_point::BodyRef;
 use rayon::prelude::*;
 
 /// Newton's method is done after an increment that is smaller than this, rad: the next is taken to

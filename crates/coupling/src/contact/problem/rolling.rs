@@ -10,10 +10,11 @@
 
 use super::ContactProblem;
 use crate::TimeInterval;
+use crate::body_ref::BodyRef;
 use crate::contact::node_arrays::FiberVelocities;
 use crate::contact::system::CoupledSystem;
 use crate::contact::velocities::Velocities;
-use crate::contact_point::{BodyRef, ContactPoint};
+use crate::contact_point::ContactPoint;
 use nalgebra::Vector3;
 use rapunzel_rod_dynamic::StepVelocity;
 
