@@ -22,9 +22,10 @@ use std::time::{Duration, Instant};
 
 /// Frames follow each other no faster.
 const FRAME: Duration = Duration::from_millis(16);
-/// Nor faster than takes this part of the time, but not slower than this for that.
+/// Nor faster than takes this part of the time, but not slower than this for that: with the rest of
+/// a step, which they wait for, still 15 a second.
 const SHARE: u32 = 20;
-const SLOWEST_FRAME: Duration = Duration::from_millis(60);
+const SLOWEST_FRAME: Duration = Duration::from_millis(50);
 /// While a hand moves they may take this part of the time, and follow each other as fast.
 const SHARE_OF_HAND: u32 = 4;
 /// How often pages are told how all stands.
