@@ -5,6 +5,9 @@ use std::ops::Range;
 /// By this, rad, a normal along a fibre is tilted.
 const TILT: f64 = 1e-9;
 
+/// Gaps of surfaces that touch are at most this, in levers.
+const TOUCHING: f64 = 0.2;
+
 /// Cosine of the angle from which on two normals of fibres face each other: about a bend both of
 /// two at right angles may be needed. A corner of an object has but one at a time.
 const FACING: f64 = -0.5;
@@ -25,10 +28,13 @@ pub(crate) struct ContactPoint {
     /// What there is to know of each side, world. Of a fibre its axis from root to tip, not of unit
     /// length. Of an object that moves freely it is the lever from its center of mass to where the
     /// impulse acts, m: on the surface of a fibre, in the middle of the gap between objects. Of one
-    /// that is kinematic the mean velocity of its surface over the step, m/s.
+    /// that is kinematic the mean velocity over the step, m/s, of what of it is on the axis of the
+    /// fibre, or where the impulse acts on an object.
     pub(crate) arms: [Vector3<f64>; 2],
     /// From the axes of fibres to where they touch, m, world; zero of an object.
     pub(crate) offsets: [Vector3<f64>; 2],
+    /// Mean angular velocity over the step of a kinematic object that a fibre touches, rad/s, world.
+    pub(crate) spin: Vector3<f64>,
     /// Distance of the surfaces at the end of the step, m.
     pub(crate) gap: f64,
     /// Impulse on the first side, N s, world.
@@ -85,6 +91,7 @@ impl ContactPoint {
         normal: Vector3::new(1.0, 0.0, 0.0),
         arms: [Vector3::new(0.0, 0.0, 0.0); 2],
         offsets: [Vector3::new(0.0, 0.0, 0.0); 2],
+        spin: Vector3::new(0.0, 0.0, 0.0),
         gap: 0.0,
         impulse: Vector3::new(0.0, 0.0, 0.0),
         drift: Vector3::new(0.0, 0.0, 0.0),
@@ -161,10 +168,22 @@ impl ContactPoint {
         if velocity.norm() > 0.5 * slip { velocity } else { Vector3::zeros() }
     }
 
-    /// Mean velocity of the second side's surface over the step if that is kinematic, else zero,
-    /// m/s.
+    /// Mean velocity over the step, m/s, of the second side where the impulse acts on the first, if
+    /// that is kinematic, else zero: what turns as one body does not slip, however deep it is.
     pub(crate) fn drive(&self) -> Vector3<f64> {
-        if self.kinematic { self.arms[1] } else { Vector3::zeros() }
+        let drive = || self.arms[1] + self.spin.cross(&self.lever(0));
+        if self.kinematic { drive() } else { Vector3::zeros() }
+    }
+
+    /// Lets the impulse of two fibres that touch act at one place, in the middle of their gap; what
+    /// is not yet there keeps the levers that it will have.
+    pub(crate) fn meet(&mut self) {
+        if !self.sides.iter().any(BodyRef::is_object) {
+            let touching = TOUCHING * self.offsets[0].norm().min(self.offsets[1].norm());
+            let half = 0.5 * self.gap.clamp(-touching, touching) * self.normal;
+            self.offsets[0] -= half;
+            self.offsets[1] += half;
+        }
     }
 
     /// Where it is along both sides, in segments.
@@ -266,115 +285,34 @@ pub(crate) fn same_place(a: [u64; 2], b: [u64; 2]) -> bool {
     near(0) && near(1)
 }
 
-/// Puts some things between those of a list, both in order, where `after` tells whether one of the
-/// list comes after one of the others. Costs no more than what has to move.
-pub(crate) fn merge<T: Copy>(
-    list: &mut Vec<T>,
-    mut others: Vec<T>,
-    after: impl Fn(&T, &T) -> bool,
-) {
-    let (mut left, mut at) = (list.len(), list.len() + others.len());
-    list.reserve_exact(others.len());
-    list.extend_from_slice(&others);
-    while let Some(last) = others.last() {
-        at -= 1;
-        if left > 0 && after(&list[left - 1], last) {
-            left -= 1;
-            list[at] = list[left];
-        } else {
-            list[at] = *last;
-            others.pop();
-        }
-    }
-}
-
-/// Keeps what does not go.
-pub(crate) fn retain_others<T>(list: &mut Vec<T>, goes: Vec<bool>) {
-    // Of most lists nothing does.
-    if goes.contains(&true) {
-        let mut goes = goes.into_iter();
-        list.retain(|_| !goes.next().unwrap_or_default());
-    }
-}
-
-/// The contact points of a list together with those of another that are deeper than `depth`, in
-/// place of those that oppose them or are near them, unless there is nothing to `replace` any more:
-/// then only what is both goes, as fibres that cross at a small angle may need two with opposite
-/// normals. Both are sorted.
-pub(crate) fn merged(
-    mut list: Vec<ContactPoint>,
-    other: &[ContactPoint],
-    depth: f64,
-    replace: bool,
-) -> Vec<ContactPoint> {
-    let mut new: Vec<ContactPoint> =
-        other.iter().filter(|point| point.gap < -depth).copied().collect();
-    list.retain(|point| {
-        let start = new.partition_point(|deep| deep.sides < point.sides);
-        let mut of_pair = new[start..].iter_mut().take_while(|deep| deep.sides == point.sides);
-        let deep = of_pair.find(|deep| {
-            let [opposes, near] = [deep.opposes(point), deep.near(point)];
-            if replace { opposes || near } else { opposes && near }
-        });
-        let Some(deep) = deep else { return true };
-        deep.bonded |= point.bonded;
-        if deep.impulse == Vector3::zeros() {
-            deep.impulse = point.impulse;
-        }
-        false
-    });
-    merge(&mut list, new, |point, deep| point.rank() > deep.rank());
-    list
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// A contact point of two fibres at a place along both, in segments, its normal up or down.
-    fn point(place: f64, up: f64, gap: f64) -> ContactPoint {
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "it is small")]
-        let segment = place as u32;
-        ContactPoint {
-            sides: [BodyRef::Fiber(0), BodyRef::Fiber(1)],
-            segments: [segment; 2],
-            fractions: [place.fract(); 2],
-            normal: Vector3::z() * up,
-            arms: [Vector3::x(); 2],
-            offsets: [Vector3::zeros(); 2],
-            gap,
-            ..ContactPoint::IDLE
-        }
-    }
-
-    /// Fibres that cross at a small angle touch on opposite sides: one takes the other's place at
-    /// first, and when both have turned up again and again, both stay. At one place there is but
-    /// one.
-    #[test]
-    fn opposite_touches_stay_both_in_the_end() {
-        let places = |new: &ContactPoint, replace: bool| -> Vec<f64> {
-            let merged = merged(vec![point(3.2, 1.0, 0.0)], &[*new], 1e-6, replace);
-            merged.iter().map(|point| point.at()[0]).collect()
-        };
-        let (beside, there) = (point(2.9, -1.0, -1e-5), point(3.25, -1.0, -1e-5));
-        assert_eq!((places(&beside, true), places(&beside, false)), (vec![2.9], vec![2.9, 3.2]));
-        assert_eq!((places(&there, true), places(&there, false)), (vec![3.25], vec![3.25]));
-        let alike = point(3.25, 1.0, -1e-5);
-        assert_eq!((places(&alike, true), places(&alike, false)), (vec![3.25], vec![3.2, 3.25]));
-        let shallow = point(2.9, -1.0, -1e-7);
-        assert_eq!((places(&shallow, true), places(&shallow, false)), (vec![3.2], vec![3.2]));
-    }
-
     proptest! {
+        /// Two fibres that touch, a little deep or not yet, are pushed at one place, so that their
+        /// impulses have no moment together.
         #[test]
-        fn merging_sorts(mut list in prop::collection::vec(0..20, 0..20), mut others in prop::collection::vec(0..20, 0..20)) {
-            list.sort_unstable();
-            others.sort_unstable();
-            let mut all = [list.clone(), others.clone()].concat();
-            all.sort_unstable();
-            merge(&mut list, others, |a, b| a > b);
-            prop_assert_eq!(list, all);
+        fn fibers_meet_at_one_place(
+            radii in (1e-5..1e-2_f64, 1e-5..1e-2_f64),
+            depth in -1.0..1.0_f64,
+            along in prop::array::uniform3(-1.0..1.0_f64),
+        ) {
+            let normal = (Vector3::from(along) + Vector3::z() * 2.0).normalize();
+            let gap = depth * TOUCHING * radii.0.min(radii.1);
+            let mut point = ContactPoint {
+                sides: [BodyRef::Fiber(0), BodyRef::Fiber(1)],
+                normal,
+                offsets: [-radii.0 * normal, radii.1 * normal],
+                gap,
+                ..ContactPoint::IDLE
+            };
+            point.meet();
+            // From the axis of the second to that of the first, by the one way and the other.
+            let apart = (radii.0 + radii.1 + gap) * normal;
+            let met = point.lever(1) - point.lever(0);
+            prop_assert!((met - apart).norm() < 1e-15 * (1.0 + apart.norm()));
         }
     }
 }

@@ -104,6 +104,7 @@ impl CollisionObject {
         };
         // Where it rests ways are as long in any frame.
         let rests = poses[0] == poses[1];
+        let spin = if rests { Vector3::zeros() } else { self.led_spin(step) };
         let squared_way = |node: usize| {
             let (before, after) = (&strand.start[node], &strand.end[node]);
             if rests { after - before } else { own(after, 1) - own(before, 0) }.norm_squared()
@@ -181,10 +182,9 @@ impl CollisionObject {
                 for contact in contacts.iter().filter(|c| c.normal != Vector3::zeros()) {
                     let normal = poses[1] * contact.normal;
                     let axis = start + contact.fraction * (end - start);
-                    let place = axis - normal * (contact.gap + radius);
-                    let was = poses[0] * poses[1].inverse_transform_point(&place);
+                    let was = poses[0] * poses[1].inverse_transform_point(&axis);
                     let own = match &self.motion {
-                        ObjectMotion::Kinematic(_) => (place - was) / step.length,
+                        ObjectMotion::Kinematic(_) => (axis - was) / step.length,
                         ObjectMotion::Dynamic(body) => axis - radius * normal - body.centers()[1],
                     };
                     #[expect(clippy::cast_possible_truncation, reason = "counted with 32 bits")]
@@ -196,6 +196,7 @@ impl CollisionObject {
                         normal,
                         arms: [end - start, own],
                         offsets: [-radius * normal, Vector3::zeros()],
+                        spin,
                         gap: contact.gap,
                         kinematic: !self.is_free(),
                         ..ContactPoint::IDLE

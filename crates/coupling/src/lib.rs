@@ -15,6 +15,7 @@ mod group;
 mod held_places;
 mod joints;
 mod ledger;
+mod merging;
 mod object;
 mod pair;
 mod phase_times;

@@ -6,9 +6,10 @@ use super::pair_lists::{DETECTION_CHUNK, by_fibers, of_overlapping, sort};
 use super::sections::OrientedSections;
 use super::tunnelling::{bends, goes_on, keep_sides, leads_through};
 use crate::body_ref::BodyRef;
-use crate::contact_point::{self, ContactPoint, retain_others};
+use crate::contact_point::{ContactPoint, same_place};
 use crate::fiber_on_object::MovingFiber;
 use crate::held_places::HeldPlaces;
+use crate::merging::{merge, retain_others};
 use crate::object::CollisionObject;
 use crate::{TimeInterval, pair};
 use nalgebra::Point3;
@@ -197,6 +198,7 @@ impl ContactDetector {
         put_together(&end, &contacts, &others, points);
         keep_sides(&start, points);
         motion.sections.seat(motion.layout, points);
+        points.par_iter_mut().for_each(ContactPoint::meet);
         Ok(through)
     }
 
@@ -243,7 +245,7 @@ fn add(end: &Capsules, mut fast: Vec<CapsuleContact>, contacts: &mut Vec<Capsule
     let layout = end.layout();
     let rank = |contact: &CapsuleContact| fiber_rank(layout, contact);
     fast.sort_unstable_by_key(rank);
-    contact_point::merge(contacts, fast, |a, b| rank(a) > rank(b));
+    merge(contacts, fast, |a, b| rank(a) > rank(b));
     let same = |[a, b]: [&CapsuleContact; 2]| {
         same_fibers(layout, &a.pair, &b.pair) && rank(a).same(&rank(b))
     };
@@ -274,9 +276,7 @@ fn places(end: &Capsules, found: &[CapsuleContact], stay: &mut Vec<CapsuleContac
     ordered.sort_unstable();
     let mut before = None;
     for (at, _, i) in ordered {
-        if !before.is_some_and(|before| contact_point::same_place(before, at))
-            && !bends(end, &found[i])
-        {
+        if !before.is_some_and(|before| same_place(before, at)) && !bends(end, &found[i]) {
             stay.push(found[i]);
         }
         before = Some(at);

@@ -3,7 +3,8 @@
 
 use super::fiber_contacts::fibers;
 use crate::body_ref::BodyRef;
-use crate::contact_point::{ContactPoint, retain_others};
+use crate::contact_point::ContactPoint;
+use crate::merging::retain_others;
 use nalgebra::Vector3;
 use rapunzel_collision::continuous::{Impact, MovingSegment};
 use rapunzel_collision::{CapsuleContact, Capsules, Pair};

@@ -291,24 +291,18 @@ mod tests {
     /// A contact point of which no more is known than what is cached.
     fn point(CachedImpulse { push, drift, lean, rests, bonded }: CachedImpulse) -> ContactPoint {
         let ContactImpulse { sides, segments, fractions, impulse, .. } = push;
-        let (normal, arms, gap) = (Vector3::zeros(), [Vector3::zeros(); 2], 0.0);
-        let offsets = [Vector3::zeros(); 2];
-        let (working, kinematic) = (false, false);
+        let normal = Vector3::zeros();
         ContactPoint {
             sides,
             segments,
             fractions,
             normal,
-            arms,
-            offsets,
-            gap,
             impulse,
             drift,
             lean,
             rests,
-            working,
             bonded,
-            kinematic,
+            ..ContactPoint::IDLE
         }
     }
 

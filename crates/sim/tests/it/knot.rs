@@ -80,7 +80,9 @@ fn tightens(name: &str, curve: &str, scale: f64, length: f64, knot: f64) {
     assert_eq!(determinant(&before[0], &view()), knot, "{name} at the start");
     let start = slack(&before[0]);
     let (mut active, mut whole, mut steps, mut pull) = (0, 0, 0, 0.0);
-    while pull < tight {
+    // A turn that gives way pulls for a moment before the knot is tight.
+    while pull < tight || slack(&before[0]) >= 0.5 * start {
+        assert!(pull < 2.0 * tight, "{name} jams: {pull} N, {} of {start} m", slack(&before[0]));
         assert!(slack(&before[0]) > 10.0 * diameter, "{name} is drawn out with {pull} N");
         let report = run.step().contact;
         let after = run.all_positions();
@@ -99,10 +101,7 @@ fn tightens(name: &str, curve: &str, scale: f64, length: f64, knot: f64) {
         "{name}, determinant {knot}: slack {start:.3} m, {end:.3} m after {steps} steps, {whole} as a whole; \
          {active} contacts at most"
     );
-    assert!(
-        end < 0.5 * start && active >= 6 && 2 * whole > steps,
-        "{name}: {end} {active} {whole}"
-    );
+    assert!(active >= 6 && 2 * whole > steps, "{name}: {active} {whole}");
 }
 
 /// The knots of curves that do not ship, cut and pulled tight. Here their points are taken in the

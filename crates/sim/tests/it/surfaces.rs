@@ -6,8 +6,9 @@ use rapunzel_sim::BodyRef;
 use std::f64::consts::PI;
 
 /// A stiff fibre presses on a drum; its clamp and the drum turn together as one body. Nothing
-/// slips, whichever way they turn: friction does no more work than the slip that a step may leave,
-/// and stays as it was when the press had been put on.
+/// slips, whichever way they turn: friction does no work, and stays as it was when the press had
+/// been put on. The fibre is 1e-7 m deep in the drum: two places as far apart would slip past each
+/// other by 1.6e-7 m/s.
 #[test]
 fn what_turns_together_does_not_slip() {
     let press = 1.3e-2;
@@ -28,7 +29,7 @@ fn what_turns_together_does_not_slip() {
             objects: [(shape: Capsule(length: 0.06, radius: 0.01), turn: (90, 0, 0),
                 motion: Rotate(axis: (0, 1, 0), rate: {rate:?}, until: 1.0))],
             environment: (gravity: (0, 0, 0)),
-            contact: (friction: Isotropic(0.3), slip: 1e-6), stepper: (dt: 1e-3))",
+            contact: (friction: Isotropic(0.3)), stepper: (dt: 1e-3))",
             root[0],
             root[1],
             -root[0] / far,
@@ -40,14 +41,13 @@ fn what_turns_together_does_not_slip() {
         let force = run.world.force_on(0).norm();
         assert!(force > 0.5 * press && force < 2.0 * press, "{force} N");
         let work = run.world.contact_work().friction - before;
-        let allowed = 1e-6 * (run.world.time() - start) * 2.0 * press;
+        let allowed = 1e-9 * (run.world.time() - start) * 2.0 * press;
         assert!(work.abs() < allowed, "{work:e} J of {allowed:e} J, at {rate}");
         // In the frame that turns with both.
         let angle = f64::to_radians(rate) * run.world.time();
         let force = run.world.force_on(0);
         along.push(angle.cos() * force.x - angle.sin() * force.z);
     }
-    println!("{along:?}");
     assert!((along[0] - along[1]).abs() < 0.01 * press && along[0] < -0.2 * press, "{along:?}");
 }
 
