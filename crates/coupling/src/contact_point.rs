@@ -33,7 +33,7 @@ pub(crate) struct ContactPoint {
     pub(crate) arms: [Vector3<f64>; 2],
     /// From the axes of fibres to where they touch, m, world; zero of an object.
     pub(crate) offsets: [Vector3<f64>; 2],
-    /// Mean angular velocity over the step of a kinematic object that a fibre touches, rad/s, world.
+    /// Mean angular velocity over the step of a kinematic object that a fibre touches, rad/s.
     pub(crate) spin: Vector3<f64>,
     /// Distance of the surfaces at the end of the step, m.
     pub(crate) gap: f64,

@@ -48,8 +48,6 @@ struct List {
     /// What the tree cost when it was new.
     cost: f64,
     pairs: Vec<Pair>,
-    /// Whether these are by the fibre of the first segment, then by the second segment.
-    by_fibers: bool,
     reach: f64,
     /// The margin of the list, and the largest that it may have, m.
     margin: f64,
@@ -111,8 +109,7 @@ impl Candidates {
 
     /// All pairs, not adjacent, with gaps of at most the reach anywhere on the way from `start` to
     /// `end`, each node on a straight line, and some that stay farther apart; each with the squared
-    /// distance of its axes at the start, m². The order does not depend on the number of threads;
-    /// those of a list are by the fibre of the first segment, then by the second segment.
+    /// distance of its axes at the start, m². The order does not depend on the number of threads.
     ///
     /// Cost: a distance for each pair of the list, which is made anew where it must; where the
     /// motion is wider than half of its margin, a search of what all segments sweep instead, 0.4 us
@@ -184,7 +181,6 @@ impl List {
             cost: 0.0,
             tree,
             pairs: Vec::new(),
-            by_fibers: false,
             reach,
             margin,
             most,
@@ -248,11 +244,6 @@ impl List {
         let reaches = [self.reach, slack(self)];
         if complete {
             self.wide = 0;
-            if !std::mem::replace(&mut self.by_fibers, true) {
-                let fibers = start.layout().segment_fibers();
-                let key = |&[first, second]: &Pair| (fibers[first as usize], second, first);
-                self.pairs.par_sort_unstable_by_key(key);
-            }
             self.way.set_out([start, end], ways, &self.pairs, reaches);
         } else {
             self.wide += 1;
@@ -294,7 +285,6 @@ impl List {
             close.map(|(pair, _)| pair).collect()
         };
         self.tree.sifted_pairs(close, &mut self.pairs);
-        self.by_fibers = false;
         self.hulls.clone_from(&self.tree.levels[1].hulls);
         self.positions.clear();
         self.positions.extend_from_slice(capsules.positions());

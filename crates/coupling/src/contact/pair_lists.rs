@@ -50,8 +50,7 @@ pub(super) fn sort(
     (near.concat(), fast.concat())
 }
 
-/// Some pairs by their fibres, as those of a list that is complete are already: dealt out to their
-/// first fibres, then each of these by itself.
+/// Some pairs by their fibres: dealt out to their first fibres, then each of these by itself.
 pub(super) fn by_fibers(layout: &Layout, pairs: Vec<Pair>) -> Vec<Pair> {
     let first = |pair: &Pair| layout.segment_fibers()[pair[0] as usize];
     let key = |pair: &Pair| [pair[1], pair[0]];
