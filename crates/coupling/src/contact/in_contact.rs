@@ -49,9 +49,9 @@ impl FibersInContact {
         &mut self.fibers
     }
 
-    /// Begins the search for the impulses of the first step at those that contacts of `others` bear,
-    /// the fibre of each of whose numbers is here that of `numbers`, which rise; objects have the
-    /// same numbers. Where bonds hold, the search begins at these.
+    /// Begins the search for the impulses of the first step at those that contacts of `others`
+    /// bear. Their fibres have here the `numbers`, which rise, and objects the same ones. Where
+    /// bonds hold, the search begins at these.
     ///
     /// # Panics
     /// If there is no number for one of the others.

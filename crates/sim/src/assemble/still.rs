@@ -150,7 +150,7 @@ impl Still {
                 break;
             }
         }
-        // An end stays where it is held, which its state tells of only to the order of its segments.
+        // Ends stay where they are held, which states tell of only to the order of the segments.
         for (fiber, start) in self.starts.iter_mut().enumerate() {
             let FiberConditions { tip, taken, .. } = fibers.fibers().conditions(fiber);
             (start.tip, start.taken) = (Some(*tip), taken.clone());

@@ -173,10 +173,9 @@ fn a_taut_fibre_starts_at_rest() {
     assert!(fastest(&run) < 1e-8, "{:e}", fastest(&run));
 }
 
-/// A thin hair that is wrapped on a bar and pulled by its tip starts at rest: from the first step on
-/// everything is slower than what counts as sticking. It starts where it is wrapped but for what
-/// the polygon of its segments may be off the bar, the distance between chord and arc, `h^2 / 8 R`.
-/// The tension of its root differs from the load by no more than friction can bear, Euler's ratio.
+/// A thin hair that is wrapped on a bar and pulled by its tip starts at rest: from the first step
+/// on everything is slower than what counts as sticking. The tension of its root differs from the
+/// load by no more than friction can bear, Euler's ratio.
 #[test]
 fn a_hair_wrapped_on_a_bar_starts_at_rest() {
     let (bar, thin, turn, tension, length) = (5e-3, 5e-5, 0.75, 0.05, 0.08);
