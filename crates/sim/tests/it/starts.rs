@@ -242,6 +242,12 @@ fn a_thread_wound_around_a_bar_waits_until_it_is_let_go() {
     let moved = ways.fold(0.0, f64::max);
     println!("moved {moved:e} m in 0.2 s");
     assert!(moved < 0.2 * SLIP, "{moved:e}");
+    let saved = run.world.snapshot();
+    let mut resumed = Run::read(&exact);
+    resumed.world.restore(&saved).expect("a snapshot of this scene");
+    run.steps(5);
+    resumed.steps(5);
+    assert_eq!(run.world.state(0), resumed.world.state(0));
     let mut run = Run::read(&text.replace("grippers: [(from: 0.0, until: 0.5)],", ""));
     let notes = run.world.notes().join(" ");
     assert!(notes.contains("fibers[0] does not rest"), "{notes}");
