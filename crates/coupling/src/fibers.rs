@@ -1,4 +1,5 @@
 use crate::array_pool::ArrayPool;
+use crate::conditions::FiberConditions;
 use crate::{CouplingError, EnergyLedger, FiberGroup, RodBatch, StepReport, Surroundings};
 use nalgebra::{Point3, Vector3};
 use rapunzel_fiber::Assembly;
@@ -48,6 +49,16 @@ impl<B: RodBatch + ?Sized> Fibers<B> {
     /// Group and lane of a fibre.
     pub(crate) fn lane(&self, fiber: usize) -> (usize, usize) {
         self.lanes[fiber]
+    }
+
+    /// What acts on a fibre.
+    ///
+    /// # Panics
+    /// If there is no such fibre, as indexing does.
+    #[must_use]
+    pub fn conditions(&self, fiber: usize) -> &FiberConditions {
+        let (group, lane) = self.lane(fiber);
+        &self.groups[group].lanes[lane]
     }
 
     /// State of a fibre. Allocates; costs one pass over its nodes.

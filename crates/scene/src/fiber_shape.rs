@@ -110,7 +110,9 @@ pub enum Initial {
     /// ends at the start: stretched by the load of its tip it starts in equilibrium.
     Taut,
     /// Wound around a capsule, straight before and after that and without a corner, with segments
-    /// that touch it. Prestressed where the natural shape is another.
+    /// that touch it. Prestressed where the natural shape is another: with `contact` it starts at
+    /// rest, within a diameter, if its ends, the capsule and friction hold it there, and the run
+    /// tells if they do not.
     Wrapped {
         /// Index of the object, a kinematic capsule.
         object: usize,

@@ -49,6 +49,16 @@ impl FibersInContact {
         &mut self.fibers
     }
 
+    /// Begins the search for the impulses of the first step at those that contacts of `others`
+    /// bear. Their fibres have here the `numbers`, which rise, and objects the same ones. Where
+    /// bonds hold, the search begins at these.
+    ///
+    /// # Panics
+    /// If there is no number for one of the others.
+    pub fn expect_impulses_of(&mut self, others: &Self, numbers: &[u32]) {
+        self.stepper.expect(&others.stepper.memory, numbers);
+    }
+
     /// Moves fibres and free objects by `dt`, s. The result does not depend on the number of
     /// threads.
     ///

@@ -160,6 +160,15 @@ impl ContactStepper {
         Ok(report)
     }
 
+    /// Begins the search for the impulses of the first step at those that others remember, of
+    /// fibres that have these numbers here. Where bonds hold, it begins at these.
+    pub(super) fn expect(&mut self, others: &WarmStart, numbers: &[u32]) {
+        if self.bonds.is_empty() {
+            let joints = std::mem::take(&mut self.memory.joints);
+            self.memory = WarmStart { joints, ..others.renumbered(numbers) };
+        }
+    }
+
     /// Takes one part of a step, or leaves the world as it was. The `last` resort is taken as far
     /// as it comes, unless it leads nowhere or through a fibre.
     fn try_substep(

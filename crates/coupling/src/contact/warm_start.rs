@@ -116,6 +116,21 @@ impl CachedImpulse {
 }
 
 impl WarmStart {
+    /// What contacts bear here, of fibres that have these other numbers, which rise.
+    pub(crate) fn renumbered(&self, numbers: &[u32]) -> Self {
+        let renumber = |one: &CachedImpulse| {
+            let mut one = *one;
+            for side in &mut one.push.sides {
+                if let BodyRef::Fiber(fiber) = side {
+                    *fiber = numbers[*fiber as usize];
+                }
+            }
+            one
+        };
+        let bearing = self.bearing.iter().map(renumber).collect();
+        Self { bearing, dt: self.dt, ..Self::default() }
+    }
+
     /// All numbers that determine what follows: those of the whole, then some contacts in each
     /// list.
     pub(crate) fn save(&self) -> impl ExactSizeIterator<Item = Vec<f64>> {

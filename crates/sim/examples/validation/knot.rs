@@ -10,7 +10,7 @@
 //! works against the loop, `B d / 2 R^2`, and against friction, `mu P d`: so `s` is what the
 //! friction of a knot goes with, 0.492 (Audoly, Clauvelin and Neukirch 2007).
 
-use nalgebra::{DMatrix, DVector, Matrix2, Vector2};
+use nalgebra::{DMatrix, DVector, Matrix2, Point3, Vector2, Vector3};
 use rapunzel_repro::plot::{Chart, Curve, Drawing};
 use rapunzel_repro::{Criterion, Fallible, Figure, check};
 use rapunzel_sim::{Scene, World};
@@ -125,6 +125,102 @@ fn rests(thickness: f64) -> Fallible<[f64; 2]> {
     let radius = (0.5 * stiffness / world.state(0).forces[2].norm()).sqrt();
     let pressed: f64 = world.contacts().map(|contact| contact.force.norm()).sum();
     Ok([(thickness / radius).sqrt(), pressed * (thickness * radius.powi(3)).sqrt() / stiffness])
+}
+
+/// Coefficients of friction of knots that are drawn.
+const FRICTIONS: [f64; 2] = [0.02, 0.05];
+/// Bending stiffness of their rods, N m^2, and number of segments.
+const STIFFNESS: f64 = 1e-6;
+const SEGMENTS: usize = 800;
+/// Steps of 1 ms in which one is drawn by 4 mm, and the last ones, in which it draws evenly.
+const DRAWN: usize = 400;
+const EVEN: usize = 100;
+
+/// Of a knot with a coefficient of friction whose tip is drawn: means of `sqrt(h / R)` with the
+/// radius of the top of the loop, of the pull in `B / R^2`, and of the contact forces together in
+/// `B / sqrt(h R^3)`. In oil that the drawing hardly feels, the loop does not swing.
+fn draws(thickness: f64, friction: f64) -> Fallible<[f64; 3]> {
+    let scene = Scene::from_ron(&format!(
+        "(format: 1, duration: 1.0, fibers: [(
+            length: 0.2, segments: {SEGMENTS}, section: Circle(radius: {thickness:?}),
+            material: Measured(bending: ({STIFFNESS:?}, {STIFFNESS:?}), torsion: 8e-7,
+                linear_density: 1e-3),
+            initial: Overhand(radius: 0.015, spacing: {:?}),
+            root: (orientation: Along(direction: (0, 0, 1))), root_joint: Ball(),
+            tip: Driven(velocity: (0, 0, 0.01), until: 1.0, joint: Ball()),
+        )],
+        contact: (friction: Isotropic({friction:?}), depth: 1e-3),
+        environment: (gravity: (0.0, 0.0, 0.0), viscosity: 1e-2), stepper: (dt: 1e-3))",
+        3.0 * thickness
+    ))?;
+    let mut world = World::build(&scene)?;
+    let mut sums = Vector3::zeros();
+    for step in 0..DRAWN {
+        world.step(1e-3)?;
+        if step < DRAWN - EVEN {
+            continue;
+        }
+        let state = world.state(0);
+        let radius = circle(&[0, 20, 40].map(|k| state.positions[SEGMENTS / 2 - 20 + k]));
+        let ends = [2, SEGMENTS - 3].map(|e| state.forces[e].norm());
+        let pressed: f64 = world.contacts().map(|contact| contact.force.norm()).sum();
+        sums += Vector3::new(
+            (thickness / radius).sqrt(),
+            0.5 * (ends[0] + ends[1]) * radius * radius / STIFFNESS,
+            pressed * (thickness * radius.powi(3)).sqrt() / STIFFNESS,
+        );
+    }
+    Ok((sums / EVEN as f64).into())
+}
+
+/// Radius of the circle through three points, m.
+fn circle([a, b, c]: &[Point3<f64>; 3]) -> f64 {
+    let (p, q) = (b - a, c - a);
+    p.norm() * q.norm() * (q - p).norm() / (2.0 * p.cross(&q).norm())
+}
+
+/// A knot that is drawn tight against friction: what friction adds to the pull.
+pub(crate) fn drawn() -> Fallible<Figure> {
+    let right = winding()?;
+    let (mut checks, mut points) = (Vec::new(), Vec::new());
+    for thickness in [3.6e-5, 1.44e-4] {
+        let [mu, nu] = FRICTIONS;
+        let [ratio, less, loose] = draws(thickness, mu)?;
+        let [_, more, tight] = draws(thickness, nu)?;
+        let name = format!("pull of friction over its contact forces, sqrt(h / R) = {ratio:.3}");
+        let work = (more - less) * ratio / (nu * tight - mu * loose);
+        // Segments that come to the winding and leave it let either number vary by some per cent.
+        checks.push(check(name, work, "", Criterion::Within(0.95, 1.05), "mu P d, the work of it"));
+        points.push([ratio, (more - less) * ratio / (nu - mu)]);
+    }
+    let [[a, thin], [b, thick]] = [points[0], points[1]];
+    let slope = (thick - thin) / (b - a);
+    let limit = thin - a * slope;
+    // Theory is that of thin rods. The line leaves of the next order the product of both roots,
+    // times what the square of the first order lets expect, and the segments some per cent.
+    let room = (0.03 + (slope / limit).powi(2) * a * b) * right;
+    let criterion = Criterion::Within(right - room, right + room);
+    let name = "pull of friction, in the limit of a thin rod";
+    checks.push(check(name, limit, "", criterion, "contact forces along the winding"));
+    let line = [0.0, 0.1].map(|x| [x, limit + x * slope]);
+    let chart = Chart {
+        title: "What friction adds to the pull on an overhand knot".into(),
+        x: "sqrt(h / R)",
+        y: "pull of a coefficient of one, in B / sqrt(h R^3)",
+        log_from: None,
+        curves: vec![
+            Curve { name: "800 segments".into(), points },
+            Curve { name: "line through both".into(), points: line.into() },
+            Curve { name: "theory".into(), points: vec![[0.0, right], [0.1, right]] },
+        ],
+    };
+    Ok(Figure {
+        scene: "an overhand knot that is drawn by one end, with two coefficients of friction",
+        parameters: "radii of 36 and 144 um, loops of some 20 mm, coefficients of 0.02 and 0.05; \
+                     drawn at 10 mm/s",
+        checks,
+        drawings: vec![Drawing::Chart(chart)],
+    })
 }
 
 /// The friction of the overhand knot.

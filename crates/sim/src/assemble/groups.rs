@@ -64,7 +64,7 @@ pub(super) fn groups<B: RodBatch + ?Sized>(
             root: *start.rod.fiber.root(),
             tip: start.tip.unwrap_or_else(|| batch.state(lane).tip(&start.rod.fiber)),
             end_load: start.end_load,
-            taken: Vec::new(),
+            taken: start.taken.clone(),
             pulls: None,
         };
         let lanes = starts.iter().enumerate().map(lane).collect();

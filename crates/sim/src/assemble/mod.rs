@@ -9,6 +9,7 @@ mod placed;
 mod stage;
 mod start;
 mod still;
+mod wound;
 
 use crate::mass_spring::MassSprings;
 use crate::objects::{Sizes, build_object};
@@ -23,11 +24,11 @@ use joined::{ball_joints, joined, joints};
 use natural::give_natural_shapes;
 use rapunzel_charging::{ChargedRods, HeadGeometry};
 use rapunzel_coupling::{CollisionObject, ContactJoints, Fibers};
-use rapunzel_fiber::Assembly;
 pub use stage::BuildStage;
 pub(crate) use start::matter;
 use start::{FiberStart, starts};
 use std::sync::Arc;
+use wound::{SettledWinding, settle_wound};
 
 impl World {
     /// The world of a scene at its start.
@@ -64,7 +65,8 @@ impl World {
             Some(springs) => Box::new(springs) as Box<dyn Stepper>,
             None => {
                 give_natural_shapes(scene, &mut starts, &mut objects, &mut notes, at)?;
-                stepper(scene, &starts, assembly(&starts), &mut objects)?
+                let wound = settle_wound(scene, &mut starts, &objects, &mut notes, at)?;
+                stepper(scene, &starts, wound.as_ref(), &mut objects)?
             }
         };
         check_probes(scene, &*stepper)?;
@@ -85,9 +87,10 @@ impl World {
 fn stepper(
     scene: &Scene,
     starts: &[FiberStart],
-    assembly: Assembly,
+    wound: Option<&SettledWinding>,
     objects: &mut [CollisionObject],
 ) -> Result<Box<dyn Stepper>, SimError> {
+    let assembly = assembly(starts);
     let segments: Vec<_> = (0..scene.fibers.len()).map(|i| segments(starts, i)).collect();
     let scenery = Scenery::of_fibers(scene, &segments);
     if let Some(charging) = &scene.charging {
@@ -117,8 +120,11 @@ fn stepper(
     let method = scene.stepper.method();
     let (between, on_objects) = (joints(scene, starts), ball_joints(scene, starts));
     let joints = ContactJoints { fibers: &between, objects: &on_objects };
-    let fibers =
+    let mut fibers =
         in_contact(settings, (method, keeps_ledger), starts, assembly, joints, &mut around)?;
+    if let Some(wound) = wound {
+        wound.warm(&mut fibers);
+    }
     Ok(Box::new(InContact { fibers, scenery, tells_ledger, objects: count }))
 }
 

@@ -3,7 +3,7 @@
 use super::groups::{assembly, at_start};
 use super::stage::BuildStage;
 use super::start::{FiberStart, along};
-use super::still::{MOST_STEPS, Still};
+use super::still::{Settling, Still};
 use crate::SimError;
 use crate::scene::{Bundle, GroomShape, Scene, Tip};
 use nalgebra::{Point3, Vector3};
@@ -18,6 +18,10 @@ use rayon::prelude::*;
 /// Distance, in lengths of a fibre, within which it rests as it is drawn.
 const SAME: f64 = 1e-3;
 
+/// How far groomed fibres settle at once: at their speed they move by half a thousandth of their
+/// length in 0.1 s, and how they come to where they rest does not count.
+const SETTLING: Settling =
+    Settling { speed: 5e-3, reach: f64::INFINITY, steps: 75, residual: 1e-2 };
 /// Times that fibres in contact settle.
 const ROUNDS: usize = 3;
 /// Times that settled fibres are let go and balanced with what contacts bear then.
@@ -77,12 +81,12 @@ pub(super) fn give_natural_shapes(
             // its place again.
             for round in 0..ROUNDS {
                 let mut still = Still::new(scene, starts, objects)?;
-                let forces = still.settle(settings, &|step| {
-                    let done = round * MOST_STEPS + step;
-                    at(BuildStage::Settling { done, most: ROUNDS * MOST_STEPS });
+                let (fibers, _) = still.settle(settings, &SETTLING, None, &|step| {
+                    let done = round * SETTLING.steps + step;
+                    at(BuildStage::Settling { done, most: ROUNDS * SETTLING.steps });
                 })?;
                 take_states(starts, still.starts, &told);
-                rest(scene, starts, &forces, RestStage::Settled, &mut told)?;
+                rest(scene, starts, &fibers.contact_forces(), RestStage::Settled, &mut told)?;
                 // Some contacts were there only because fibres moved.
                 for _ in 0..REBALANCINGS {
                     let forces = Still::new(scene, starts, objects)?.contact_forces(settings)?;

@@ -14,7 +14,7 @@ pub enum BuildStage {
     },
     /// Groomed fibres are moved out of what they overlap.
     MovingApart,
-    /// Groomed fibres in contact settle.
+    /// Groomed fibres in contact settle, or those that are wound around objects.
     Settling {
         /// Number of the step that begins.
         done: usize,

@@ -33,6 +33,9 @@ pub(super) struct FiberStart {
     pub(super) end_load: End,
     /// Pose of the tip at the start, if it is not that of the state.
     pub(super) tip: Option<Isometry3<f64>>,
+    /// Poses at which the grippers of the bundle hold their nodes from the start on, if those are
+    /// not of the state.
+    pub(super) taken: Vec<Option<Isometry3<f64>>>,
 }
 
 impl FiberStart {
@@ -144,6 +147,7 @@ pub(super) fn starts(
             rod,
             conditions: Arc::clone(&conditions),
             end_load: End::FREE,
+            taken: Vec::new(),
         })
     };
     let starts: Result<Vec<_>, RodError> = laid_fibers.into_iter().map(start).collect();

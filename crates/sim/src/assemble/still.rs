@@ -3,27 +3,32 @@
 
 use super::groups::{assembly, at_start, in_contact};
 use super::start::FiberStart;
-use crate::scene::{ContactSettings, Motion, RodMethod, Scene, Wind};
+use crate::scene::{ContactSettings, Motion, RodMethod, Scene, Tip, Wind};
 use crate::{Plan, SimError};
 use nalgebra::{Point3, Vector3};
 use rapunzel_coupling::{
-    BundleConditions, CollisionObject, ContactJoints, FibersInContact, Surroundings,
+    BundleConditions, CollisionObject, ContactJoints, FiberConditions, FibersInContact,
+    Surroundings,
 };
 use std::sync::Arc;
 
-/// Speed at which a fibre has settled, in its length, 1/s: in 0.1 s it moves by half a thousandth
-/// of it.
-const SETTLED: f64 = 5e-3;
-/// Steps in a row in which all fibres must be that slow: what is just let go is slow at first.
+/// Steps in a row in which all fibres must be slow: what is just let go is slow at first.
 const SLOW_STEPS: usize = 20;
-/// Most steps of settling at once.
-pub(super) const MOST_STEPS: usize = 75;
-/// Largest Coulomb residual of a step of settling, relative to all impulses: how fibres come to
-/// where they rest does not count.
-const RESIDUAL: f64 = 1e-2;
 /// Viscosity of the air that slows down what settles, Pa s, at least: hair falls at half a metre
 /// per second in it. Where fibres rest does not depend on it.
 const AIR: f64 = 1.8e-5;
+
+/// How far fibres are to settle.
+pub(super) struct Settling {
+    /// Speed at which a fibre has settled, in its length, 1/s.
+    pub(super) speed: f64,
+    /// Distance from where it started, m, beyond which a fibre does not settle there.
+    pub(super) reach: f64,
+    /// Most steps.
+    pub(super) steps: usize,
+    /// Largest Coulomb residual of a step, relative to all impulses.
+    pub(super) residual: f64,
+}
 
 /// Fibres among objects, all held.
 pub(super) struct Still {
@@ -40,7 +45,10 @@ impl Still {
         objects: &[CollisionObject],
     ) -> Result<Self, SimError> {
         let mut scene = scene.clone();
-        scene.fibers.iter_mut().for_each(|bundle| bundle.motion = Motion::Fixed);
+        for bundle in &mut scene.fibers {
+            bundle.motion = Motion::Fixed;
+            hold(&mut bundle.tip);
+        }
         scene.environment.viscosity = scene.environment.viscosity.max(AIR);
         scene.environment.wind = Wind::default();
         let conditions = scene.fibers.iter().enumerate().map(|(index, bundle)| {
@@ -80,7 +88,9 @@ impl Still {
         Ok(fibers.contact_forces())
     }
 
-    /// Lets the fibres settle. Returns the forces of contacts on all nodes in the end, N, world.
+    /// Lets the fibres settle under what acts on them at the start, by contacts that bear at first
+    /// what they bore `before`. Returns them as they are in the end, and which of them have become
+    /// slow.
     ///
     /// Dynamic relaxation (Day 1965) with kinetic damping: whenever the kinetic energy of a fibre
     /// has passed a maximum, its velocities are set to zero. It ends when all fibres are slow, or
@@ -89,32 +99,41 @@ impl Still {
     pub(super) fn settle(
         &mut self,
         settings: &ContactSettings,
+        settling: &Settling,
+        before: Option<&FibersInContact>,
         at: &dyn Fn(usize),
-    ) -> Result<Vec<Vector3<f64>>, SimError> {
+    ) -> Result<(FibersInContact, Vec<bool>), SimError> {
         let dt = Plan::new(&self.scene).step_after(0);
         let mut around = at_start(&self.scene, &mut self.objects);
-        let settings = ContactSettings { residual: RESIDUAL, ..settings.clone() };
+        let settings = ContactSettings { residual: settling.residual, ..settings.clone() };
         let mut fibers = bearing(&settings, &self.starts, &mut around)?;
-        let (mut before, mut slow_steps) = (vec![0.0; self.starts.len()], 0);
-        for step in 0..MOST_STEPS {
+        if let Some(before) = before {
+            let numbers: Vec<_> = (0..).take(self.starts.len()).collect();
+            fibers.expect_impulses_of(before, &numbers);
+        }
+        around.end = dt;
+        let mut kinetic_before = vec![0.0; self.starts.len()];
+        let first: Vec<_> = self.starts.iter().map(|start| start.state.clone()).collect();
+        let (mut slow_steps, mut is_away) =
+            (vec![0; self.starts.len()], vec![false; self.starts.len()]);
+        for step in 0..settling.steps {
             at(step);
-            (around.start, around.end) = (step as f64 * dt, (step + 1) as f64 * dt);
             if fibers.step(&mut around, dt).is_err() {
                 break;
             }
-            let mut states = Vec::with_capacity(self.starts.len());
-            states.extend((0..self.starts.len()).map(|fiber| fibers.fibers().state(fiber)));
-            let is_slow = states.iter().zip(&self.starts).all(|(state, start)| {
-                let most = SETTLED * start.rod.fiber.length();
-                state.velocities.iter().all(|velocity| velocity.norm() < most)
-            });
-            slow_steps = if is_slow { slow_steps + 1 } else { 0 };
-            let all = self.starts.iter_mut().zip(states).zip(&mut before).enumerate();
-            for (fiber, ((start, mut state), before)) in all {
+            for (fiber, start) in self.starts.iter_mut().enumerate() {
+                let mut state = fibers.fibers().state(fiber);
+                let most = settling.speed * start.rod.fiber.length();
+                let is_slow = state.velocities.iter().all(|velocity| velocity.norm() < most);
+                slow_steps[fiber] = if is_slow { slow_steps[fiber] + 1 } else { 0 };
                 let squares = state.velocities.iter().map(Vector3::norm_squared);
                 let kinetic: f64 = squares.sum();
-                let is_past = kinetic < *before;
-                *before = if is_past { 0.0 } else { kinetic };
+                let is_past = kinetic < kinetic_before[fiber];
+                kinetic_before[fiber] = if is_past { 0.0 } else { kinetic };
+                is_away[fiber] |= first[fiber].as_ref().is_some_and(|first| {
+                    let ways = first.positions.iter().zip(&state.positions);
+                    ways.into_iter().any(|(a, b)| (b - a).norm() > settling.reach)
+                });
                 state.velocities.fill(Vector3::zeros());
                 state.angular_velocities.fill(Vector3::zeros());
                 if is_past {
@@ -126,11 +145,28 @@ impl Still {
                     start.state = Some(state);
                 }
             }
-            if slow_steps == SLOW_STEPS {
+            let mut all = slow_steps.iter().zip(&is_away);
+            if all.all(|(steps, is_away)| *steps >= SLOW_STEPS || *is_away) {
                 break;
             }
         }
-        Ok(fibers.contact_forces())
+        // Ends stay where they are held, which states tell of only to the order of the segments.
+        for (fiber, start) in self.starts.iter_mut().enumerate() {
+            let FiberConditions { tip, taken, .. } = fibers.fibers().conditions(fiber);
+            (start.tip, start.taken) = (Some(*tip), taken.clone());
+        }
+        let is_slow = slow_steps.iter().map(|steps| *steps >= SLOW_STEPS).collect();
+        Ok((fibers, is_slow))
+    }
+}
+
+/// Keeps a tip that is led at its pose at the start.
+fn hold(tip: &mut Tip) {
+    match tip {
+        Tip::Free | Tip::Loaded { .. } | Tip::Held => {}
+        Tip::Pulled { velocity, .. } => *velocity = [0.0; 3],
+        Tip::Driven { velocity, twist, .. } => (*velocity, *twist) = ([0.0; 3], 0.0),
+        Tip::Led { motion, .. } => *motion = Motion::Fixed,
     }
 }
 

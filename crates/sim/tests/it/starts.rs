@@ -14,6 +14,9 @@ const SEGMENTS: u32 = 20;
 const MATTER: &str = "length: 0.1, segments: 20, section: Circle(radius: 5e-4),
     material: Elastic(density: 1000.0, youngs_modulus: 1e7, shear_modulus: 4e6)";
 
+/// What slips more slowly than this sticks, m/s: the default of a scene.
+const SLIP: f64 = 4e-5;
+
 /// A scene of one weightless fibre, whose paths are relative to a folder.
 fn scene(fields: &str, folder: &Path) -> Scene {
     let text = format!(
@@ -170,12 +173,11 @@ fn a_taut_fibre_starts_at_rest() {
     assert!(fastest(&run) < 1e-8, "{:e}", fastest(&run));
 }
 
-/// A thin hair that is wrapped on a bar and pulled by its tip is not quite at rest at the start: it
-/// moves by less than the polygon of its segments may be off the bar, the distance between chord
-/// and arc, `h^2 / 8 R`. The tension of its root differs from the load by no more
-/// than friction can bear, Euler's ratio.
+/// A thin hair that is wrapped on a bar and pulled by its tip starts at rest: from the first step
+/// on everything is slower than what counts as sticking. The tension of its root differs from the
+/// load by no more than friction can bear, Euler's ratio.
 #[test]
-fn a_hair_wrapped_on_a_bar_hardly_moves() {
+fn a_hair_wrapped_on_a_bar_starts_at_rest() {
     let (bar, thin, turn, tension, length) = (5e-3, 5e-5, 0.75, 0.05, 0.08);
     let text = |object: usize, turns: f64, segments: u32| {
         format!(
@@ -189,24 +191,24 @@ fn a_hair_wrapped_on_a_bar_hardly_moves() {
             stepper: (dt: 1e-4))"
         )
     };
-    let moved = |segments: u32| {
+    for segments in [80, 160] {
         let mut run = Run::read(&text(0, turn, segments));
+        assert!(run.world.notes().is_empty(), "{:?}", run.world.notes());
         let start = run.world.state(0);
-        for _ in 0..20 {
+        let mut most = 0.0_f64;
+        for _ in 0..50 {
             run.step();
+            most = most.max(fastest(&run));
         }
         let state = run.world.state(0);
         let ways = state.positions.iter().zip(&start.positions).map(|(a, b)| (a - b).norm());
         let moved = ways.fold(0.0, f64::max);
-        println!("{segments} segments: moved {moved:e} m, fastest {:e} m/s", fastest(&run));
+        println!("{segments} segments: moved {moved:e} m, fastest {most:e} m/s");
         let root = state.forces[0].norm() / tension;
         let euler = (-0.3 * 2.0 * PI * turn).exp();
         assert!(0.95 * euler < root && root < 1.05 / euler, "{root} beside {euler}");
-        moved
-    };
-    let arc = |segments: u32| (length / f64::from(segments)).powi(2) / (8.0 * bar);
-    let found = [80, 160].map(|segments| moved(segments) / arc(segments));
-    assert!(found.iter().all(|part| *part < 1.0), "{found:?}");
+        assert!(most < SLIP, "{most:e}");
+    }
     let nonsense = |object, turns| match Scene::from_ron(&text(object, turns, 160)) {
         Err(error) => error.to_string(),
         Ok(scene) => match World::build(&scene) {
@@ -218,4 +220,37 @@ fn a_hair_wrapped_on_a_bar_hardly_moves() {
     assert!(error.contains("fibers[0].initial.object") && error.contains("no such"), "{error}");
     let error = nonsense(0, 9.0);
     assert!(error.contains("fibers[0]") && error.contains("winding"), "{error}");
+}
+
+/// The template starts at rest and stays there for as long as its thread is held; one that nothing
+/// holds starts as it is wound, a note says so, and it springs open.
+#[test]
+fn a_thread_wound_around_a_bar_waits_until_it_is_let_go() {
+    let text = include_str!("../../../../scenes/contact/wrapped.ron");
+    // Of its contacts the residual of a scene leaves some 0.1 mm/s.
+    let exact = text.replace("Isotropic(0.2)", "Isotropic(0.2), residual: 1e-6");
+    let mut run = Run::read(&exact);
+    assert!(run.world.notes().is_empty(), "{:?}", run.world.notes());
+    let start = run.positions(0);
+    for step in 0..200 {
+        run.step();
+        let now = fastest(&run);
+        // Later a contact that is found in another segment may move something for a step.
+        assert!(step >= 50 || now < SLIP, "{now:e} m/s in step {step}");
+    }
+    let ways = run.positions(0).into_iter().zip(start).map(|(a, b)| (a - b).norm());
+    let moved = ways.fold(0.0, f64::max);
+    println!("moved {moved:e} m in 0.2 s");
+    assert!(moved < 0.2 * SLIP, "{moved:e}");
+    let saved = run.world.snapshot();
+    let mut resumed = Run::read(&exact);
+    resumed.world.restore(&saved).expect("a snapshot of this scene");
+    run.steps(5);
+    resumed.steps(5);
+    assert_eq!(run.world.state(0), resumed.world.state(0));
+    let mut run = Run::read(&text.replace("grippers: [(from: 0.0, until: 0.5)],", ""));
+    let notes = run.world.notes().join(" ");
+    assert!(notes.contains("fibers[0] does not rest"), "{notes}");
+    run.steps(20);
+    assert!(fastest(&run) > 0.1, "{:e}", fastest(&run));
 }
