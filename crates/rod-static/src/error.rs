@@ -118,6 +118,21 @@ pub enum StaticError {
         /// Largest rotation of a node in the step that would follow, rad.
         step: f64,
     },
+    /// Following loads and springs of targets in an assembly.
+    #[error(
+        "rods that touch something rest where their energy is least, but following loads have none, \
+         and targets must hold their nodes: leave them out"
+    )]
+    NoMinimum,
+    /// A rod that nothing holds.
+    #[error(
+        "nothing holds rod {rod}: it can move away, or be moved, without a force; hold its root or \
+         its end, or put something in its way (contacts have no friction)"
+    )]
+    Adrift {
+        /// Index of the rod.
+        rod: usize,
+    },
     /// The derivatives of an equilibrium by its loads are not defined.
     #[error(
         "the equilibrium has no derivatives by its loads: {reason}; change the loads a little, or \

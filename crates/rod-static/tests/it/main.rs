@@ -1,5 +1,6 @@
 //! Equilibria of a rod, against closed forms and references.
 
+mod assemblies;
 mod bifurcations;
 mod boundary;
 mod branches;
