@@ -3,11 +3,12 @@
 use crate::StaticError;
 use crate::chain::Chain;
 use crate::gap::{Gap, GapFunctions};
+use crate::loaded_rod::places;
 use crate::riccati::RootSupport;
 use crate::shape::Shape;
 use crate::state::State;
 use crate::target::Target;
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
 
 /// A rod of an assembly.
 #[derive(Debug, Clone)]
@@ -36,6 +37,8 @@ pub struct Assembly {
 pub struct AssemblyRest {
     /// The shapes of the rods.
     pub shapes: Vec<Shape>,
+    /// Positions of the stations that gaps depend on, m, world frame, by rod.
+    pub stations: Vec<Vec<Point3<f64>>>,
     /// States of the nodes of the rods, as [`Chain::states`] has them. Forces of contacts act in
     /// the middles of segments, and on the last node.
     pub states: Vec<Vec<State>>,
@@ -94,6 +97,13 @@ impl Assembly {
 }
 
 impl AssemblyRod {
+    /// Positions at the start of the stations that gaps depend on, m, world frame: the root, the
+    /// middles of the segments, and the tip.
+    #[must_use]
+    pub fn stations(&self) -> Vec<Point3<f64>> {
+        places(&self.chain, &self.start.frames, &self.start.positions[0]).stations()
+    }
+
     /// Unit of stiffness of a contact, N/m: that of a segment against a force across it.
     pub(crate) fn contact_unit(&self) -> f64 {
         let unit =

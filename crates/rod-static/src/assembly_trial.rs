@@ -75,10 +75,7 @@ impl AssemblyTrial {
             pulls.push(held);
             all.push(at);
         }
-        let stations: Vec<Vec<Point3<f64>>> = all
-            .iter()
-            .map(|at| (0..at.middles.len() + 2).map(|station| *at.at(station)).collect())
-            .collect();
+        let stations: Vec<Vec<Point3<f64>>> = all.iter().map(OnRod::stations).collect();
         let gaps = gaps.gaps(&stations);
         let mut pushes = Vec::with_capacity(gaps.len());
         for gap in &gaps {

@@ -41,6 +41,17 @@ pub enum StaticError {
         /// The value.
         value: f64,
     },
+    /// A branch does not meet so many bifurcations.
+    #[error(
+        "bifurcation {asked} is to be left for another branch, counted from 0, but {met} are met in \
+         the range; widen the range, or leave at an earlier one"
+    )]
+    NoBifurcation {
+        /// Index of the bifurcation that was asked for.
+        asked: usize,
+        /// Number of those that are met.
+        met: usize,
+    },
     /// The stability of what is not stable cannot be lost.
     #[error(
         "the equilibrium that is followed is unstable from the start, {ways} ways lead down: start \

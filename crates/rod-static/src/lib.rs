@@ -6,6 +6,8 @@ mod assembly_step;
 mod assembly_trial;
 mod band;
 mod branch;
+mod branch_direction;
+mod branch_switch;
 pub mod carlson;
 mod chain;
 mod continuation;

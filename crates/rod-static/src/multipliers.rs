@@ -302,6 +302,7 @@ impl<'a, G: GapFunctions> Search<'a, G> {
         AssemblyRest {
             contacts: contacts.map(|(gap, push)| (gap.clone(), *push)).collect(),
             pulls: self.now.pulls,
+            stations: self.now.stations,
             shapes,
             states,
             elastic,

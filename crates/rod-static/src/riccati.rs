@@ -42,6 +42,11 @@ impl<T: Clone> OnRod<T> {
         }
     }
 
+    /// What there is at all stations.
+    pub(crate) fn stations(&self) -> Vec<T> {
+        (0..self.middles.len() + 2).map(|station| self.at(station).clone()).collect()
+    }
+
     pub(crate) fn at_mut(&mut self, station: usize) -> &mut T {
         match station {
             0 => &mut self.nodes[0],

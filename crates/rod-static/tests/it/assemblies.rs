@@ -113,6 +113,40 @@ fn a_rod_is_lifted_from_a_floor() {
     assert!((first - lifted).abs() < 2.0 * h, "{first} {lifted}");
 }
 
+/// The same lifted so far that slopes are large: of the length that is lifted the end lies flat on
+/// the floor and bears no moment, a boundary value problem.
+#[test]
+fn a_rod_is_lifted_far() {
+    let (length, weight, height) = (2.0, 0.5, 0.15);
+    let hold = EndHold::Tangent(Unit::new_normalize(Vector3::x()));
+    let (point, along) = (Point3::origin(), Unit::new_normalize(Vector3::x()));
+    let end = EndCondition::Sliding { point, along, force: 0.0, hold };
+    let lifted = |length: f64| {
+        let rod = Problem::new(&level(height), vec![piece(length, weight, 0.0)], end);
+        rod.expect("a rod").solve().expect("an equilibrium")
+    };
+    // The moment at the end grows with the length.
+    let (mut short, mut long) = (0.5, 1.0);
+    let sign = lifted(short).at(short).moment.y.signum();
+    assert!(lifted(long).at(long).moment.y * sign < 0.0);
+    while long - short > 1e-9 {
+        let middle = 0.5 * (short + long);
+        if lifted(middle).at(middle).moment.y * sign > 0.0 { short = middle } else { long = middle }
+    }
+    let exact = lifted(short);
+    let rest = rest(height, piece(length, weight, 0.0), 400, RootSupport::Clamped).expect("rest");
+    certified(&rest, length);
+    let h = length / 400.0;
+    let moment = exact.at(0.0).moment.norm();
+    assert_relative_eq!(
+        rest.states[0][0].moment.norm(),
+        moment,
+        max_relative = (h / short).powi(2)
+    );
+    let first = (rest.contacts[0].0.terms[0].station as f64 - 0.5) * h;
+    assert!((first - short).abs() < 2.0 * h, "{first} {short}");
+}
+
 #[test]
 fn what_nothing_holds_is_told() {
     let found = rest(0.1, piece(1.0, 0.5, 0.0), 50, RootSupport::Free);

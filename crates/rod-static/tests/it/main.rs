@@ -15,4 +15,5 @@ mod loads;
 mod minima;
 mod properties;
 mod several;
+mod switching;
 mod targets;

@@ -118,7 +118,8 @@ fn told(
         BranchEnd::Reached => Ended::Reached,
         BranchEnd::Returned => Ended::Returned,
         BranchEnd::Lost => Ended::Lost,
-        BranchEnd::Long => Ended::Long,
+        // Only on the way to another branch.
+        BranchEnd::Long | BranchEnd::Met => Ended::Long,
         BranchEnd::Stuck => Ended::Stuck,
     };
     let (points, limits) = (points.collect(), limits.collect());

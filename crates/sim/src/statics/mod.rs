@@ -1,7 +1,10 @@
-//! One rod at rest: the answer to a [case](Case).
+//! Rods at rest: the answer to a [case](Case).
 
 mod answer;
+mod axis_gap;
 mod branch;
+mod contact_gaps;
+mod contact_rest;
 mod equilibria;
 mod length;
 mod problem;
@@ -11,11 +14,11 @@ mod write;
 
 pub use crate::case_error::CaseError;
 pub use answer::{
-    BranchRow, CaseAnswer, CaseBranch, CaseEquilibrium, CaseLimit, Ended, Length, ModeStation,
-    Peak, Stability, Station,
+    BranchRow, CaseAnswer, CaseBranch, CaseContact, CaseEquilibrium, CaseLimit, Ended, Length,
+    ModeStation, Peak, Stability, Station, Touch, TouchedBy,
 };
 pub use rapunzel_scene::case::{
     Case, CaseEnd, CaseRod, CaseRoot, CaseStart, CaseSweep, Critical, Force, JoinedRod, Parameter,
-    PlacedPoint, PointMass, SlidingHold, Wish, Wished,
+    PlacedPoint, PointMass, SlidingHold, TouchingRod, Wish, Wished,
 };
 pub use solve::solve;
