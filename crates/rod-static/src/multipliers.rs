@@ -31,7 +31,14 @@ const MOST_UPDATES: usize = 100;
 const LOOSE_CHANGE: f64 = 1e-4;
 /// Size of a step after which the last stage ends: the next one is its square.
 const TIGHT_CHANGE: f64 = 1e-8;
-/// Part of the largest force by which an update may still change one.
+/// Parts of the largest force by which an update of the forces still changes one when Newton's
+/// method takes over, in turn.
+const SETTLED: [f64; 5] = [0.1, 1e-2, 1e-3, 1e-4, 1e-5];
+/// Largest number of its steps.
+const FEW_POLISHES: usize = 20;
+/// Size of its steps, in rad and lengths of the rod, from which it has failed.
+const FAR_POLISH: f64 = 0.01;
+/// Part of the largest force by which its last step may still change one.
 const FORCE_CHANGE: f64 = 1e-8;
 /// Roundings of a position by which a gap is known.
 const ROUNDINGS: f64 = 16.0;
@@ -123,40 +130,71 @@ impl<'a, G: GapFunctions> Search<'a, G> {
         ROUNDINGS * f64::EPSILON * far * STIFF * units.fold(0.0, f64::max)
     }
 
-    /// From a minimum with springs to the equilibrium: Newton's method with forces as unknowns.
+    /// From a minimum with springs to the equilibrium.
+    ///
+    /// The forces of the springs become those that they start from, again and again, until they
+    /// hardly change; then Newton's method takes over. Where that does not converge, which contacts
+    /// push was not yet settled.
+    fn finish(mut self, first: Stage) -> Result<AssemblyRest, StaticError> {
+        let mut stage = first;
+        let mut settled = SETTLED.into_iter();
+        let mut wanted = settled.next();
+        for _ in 0..MOST_UPDATES {
+            match stage {
+                Stage::Rests => {}
+                Stage::Loose(rod) => return Err(StaticError::Adrift { rod }),
+                Stage::Stuck(step) => return Err(self.not_converged(step)),
+            }
+            let before = self.springs.clone();
+            self.take_forces();
+            let [change, largest] = self.springs.change(&before);
+            if let Some(enough) = wanted
+                && change <= enough * largest
+            {
+                if let Some(rest) = self.polished()? {
+                    return Ok(rest);
+                }
+                wanted = settled.next();
+            }
+            stage = self.descend(TIGHT_CHANGE)?;
+        }
+        Err(self.not_converged(0.0))
+    }
+
+    /// The equilibrium by Newton's method with forces as unknowns, if it converges.
     ///
     /// Springs so stiff that their forces would be lost in rounded positions serve in each step as
     /// constraints; the forces come from the step.
-    fn finish(mut self, first: Stage) -> Result<AssemblyRest, StaticError> {
-        match first {
-            Stage::Rests => {}
-            Stage::Loose(rod) => return Err(StaticError::Adrift { rod }),
-            Stage::Stuck(step) => return Err(self.not_converged(step)),
-        }
-        self.take_forces();
+    fn polished(&mut self) -> Result<Option<AssemblyRest>, StaticError> {
+        let kept = (self.springs.clone(), self.now.frames.clone(), self.now.roots());
         self.springs.factor = CONSTRAINT;
         self.renew();
-        let mut size = f64::INFINITY;
-        for _ in 0..MOST_UPDATES {
+        for _ in 0..FEW_POLISHES {
             self.iterations += 1;
             let Some(step) = self.now.step(self.of, &self.springs, true) else { break };
-            size = self.size(&step.rods);
+            let size = self.size(&step.rods);
             if let Some(rod) = step.loose.filter(|_| step.shift > 0.0) {
                 return Err(StaticError::Adrift { rod });
             }
+            if size > FAR_POLISH || !size.is_finite() {
+                break;
+            }
             let springs = self.now.foretold(self.of, &self.springs, &step.rods);
             let [change, largest] = springs.change(&self.springs);
-            let (frames, roots) = self.now.moved(&step.rods, (LONGEST / size).min(1.0));
+            let (frames, roots) = self.now.moved(&step.rods, 1.0);
             self.springs = springs;
             self.now = self.trial(frames, &roots);
             if size < TIGHT_CHANGE && change <= FORCE_CHANGE * largest + self.rounding() {
                 // Soft springs add nothing to the forces that they start from.
                 self.springs.factor = 1.0;
                 self.renew();
-                return Ok(self.rest());
+                return Ok(Some(self.rest()));
             }
         }
-        Err(self.not_converged(size))
+        let (springs, frames, roots) = kept;
+        self.springs = springs;
+        self.now = self.trial(frames, &roots);
+        Ok(None)
     }
 
     fn not_converged(&self, step: f64) -> StaticError {
@@ -276,7 +314,7 @@ impl<'a, G: GapFunctions> Search<'a, G> {
         })
     }
 
-    fn rest(self) -> AssemblyRest {
+    fn rest(&self) -> AssemblyRest {
         let now = &self.now;
         let forces = now.forces(self.of, &now.pushes, &now.pulls);
         let mut unbalanced = 0.0_f64;
@@ -301,8 +339,8 @@ impl<'a, G: GapFunctions> Search<'a, G> {
         let contacts = pushes.filter(|(_, push)| **push > FORCE_CHANGE * largest);
         AssemblyRest {
             contacts: contacts.map(|(gap, push)| (gap.clone(), *push)).collect(),
-            pulls: self.now.pulls,
-            stations: self.now.stations,
+            pulls: now.pulls.clone(),
+            stations: now.stations.clone(),
             shapes,
             states,
             elastic,
