@@ -106,6 +106,9 @@ fn along(branch: &CaseBranch) -> Vec<String> {
     let count = branch.points.len();
     let mut lines =
         vec![format!("  branch      {count} equilibria from {first} to {last:.9}{unit}, {ended}")];
+    if let Some(first) = branch.switched {
+        lines.push(format!("  switched    to the other branch before its equilibrium {first}"));
+    }
     for limit in &branch.limits {
         let kind = if limit.is_fold { "fold       " } else { "bifurcation" };
         let [before, behind] = limit.ways_down;

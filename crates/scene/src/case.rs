@@ -4,14 +4,14 @@
 //! and numbers out of their range are errors. Its rod is clamped at its root, loaded along its
 //! length, and its far end is free, in a joint, in a bearing, or clamped.
 
-pub use crate::asked::{CaseStart, CaseSweep, Critical, Parameter, Wish, Wished};
+pub use crate::asked::{BranchSwitch, CaseStart, CaseSweep, Critical, Parameter, Wish, Wished};
 pub use crate::case_contact::TouchingRod;
 pub use crate::case_end::{CaseEnd, CaseRoot, SlidingHold};
 
 use crate::taper::{Tapered, check_taper};
 use crate::{
-    Allowed, Check, FORMAT, LoadFrame, MaterialSpec, Object, Pose, SceneError, SceneProblem, TaperPoint,
-    check_section, parse,
+    Allowed, Check, FORMAT, LoadFrame, MaterialSpec, Object, Pose, SceneError, SceneProblem,
+    TaperPoint, check_section, parse,
 };
 use rapunzel_fiber::Section;
 use serde::{Deserialize, Serialize};

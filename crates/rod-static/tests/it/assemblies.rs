@@ -1,7 +1,7 @@
 //! Rods at rest on a floor, against theory.
 
 use approx::assert_relative_eq;
-use nalgebra::{DMatrix, Isometry3, Point3, Unit, UnitQuaternion, Vector3};
+use nalgebra::{DMatrix, Isometry3, Matrix3, Point3, Unit, UnitQuaternion, Vector3};
 use rapunzel_rod_static::{
     Assembly, AssemblyRest, AssemblyRod, Chain, EndCondition, EndHold, Gap, GapFunctions, GapTerm,
     Piece, Problem, Properties, RootSupport, StaticError,
@@ -145,6 +145,57 @@ fn a_rod_is_lifted_far() {
     );
     let first = (rest.contacts[0].0.terms[0].station as f64 - 0.5) * h;
     assert!((first - short).abs() < 2.0 * h, "{first} {short}");
+}
+
+/// The outside of a cylinder about the y axis, of this radius.
+struct Cylinder(f64);
+
+impl GapFunctions for Cylinder {
+    fn gaps(&self, positions: &[Vec<Point3<f64>>]) -> Vec<Gap> {
+        let mut gaps = Vec::new();
+        for (rod, nodes) in positions.iter().enumerate() {
+            for (station, at) in nodes.iter().enumerate().skip(1) {
+                let (distance, y) = (at.x.hypot(at.z), Vector3::y());
+                let derivative = Vector3::new(at.x, 0.0, at.z) / distance;
+                let bent = Matrix3::identity()
+                    - derivative * derivative.transpose()
+                    - y * y.transpose();
+                let curvature = DMatrix::from_column_slice(3, 3, (bent / distance).as_slice());
+                let terms = vec![GapTerm { rod, station, derivative }];
+                let (between, value) = ([rod, station, 0, 0], distance - self.0);
+                gaps.push(Gap { between, value, terms, curvature });
+            }
+        }
+        gaps
+    }
+
+    fn is_crossed(&self, _: &[Vec<Point3<f64>>], _: &[Vec<Point3<f64>>]) -> bool {
+        false
+    }
+
+    fn thinnest(&self) -> f64 {
+        self.0
+    }
+}
+
+/// A limp rod that leaves its clamp along a cylinder and is drawn down around it: the tension in
+/// its free part, less `B / 2 R^2`, presses by `T / R` where it lies on the cylinder.
+#[test]
+fn a_rod_is_drawn_around_a_cylinder() {
+    let (radius, force, length) = (0.2, 10.0, 1.0);
+    let chain = Chain::new(&level(radius), &[piece(length, 0.0, force)], 200).expect("a rod");
+    let (root, start) = (RootSupport::Clamped, chain.natural_shape());
+    let rods = vec![AssemblyRod { chain, root, start }];
+    let rest = Assembly::new(rods).expect("rods").relax(&Cylinder(radius)).expect("rest");
+    certified(&rest, length);
+    let pressure = (force - 0.5 * STIFFNESS / (radius * radius)) / radius;
+    let middle: Vec<_> =
+        rest.contacts.iter().filter(|one| (20..40).contains(&one.0.terms[0].station)).collect();
+    assert_eq!(middle.len(), 20);
+    // By the square of the angle that a segment turns by.
+    for (_, push) in middle {
+        assert_relative_eq!(*push, pressure * length / 200.0, max_relative = 1e-3);
+    }
 }
 
 #[test]

@@ -116,6 +116,8 @@ pub struct CaseBranch {
     pub limits: Vec<CaseLimit>,
     /// Why the way ends.
     pub ended: Ended,
+    /// Index of the first point of the other branch, if the way goes over to one at a bifurcation.
+    pub switched: Option<usize>,
     /// Indices among the points of those that are given as shapes.
     pub shown: Vec<usize>,
 }

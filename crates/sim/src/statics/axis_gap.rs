@@ -65,9 +65,10 @@ impl AxisGap {
         if let Some(inverse) = squares.try_inverse() {
             half_square -= mixed.transpose() * inverse * mixed;
         }
-        let curvature = (half_square - derivatives * derivatives.transpose())
-            / distance.max(f64::MIN_POSITIVE);
-        let depends = [free[0] || s < 1.0, free[0] || s > 0.0, free[1] || t < 1.0, free[1] || t > 0.0];
+        let curvature =
+            (half_square - derivatives * derivatives.transpose()) / distance.max(f64::MIN_POSITIVE);
+        let depends =
+            [free[0] || s < 1.0, free[0] || s > 0.0, free[1] || t < 1.0, free[1] || t > 0.0];
         Self { distance, derivatives, curvature, depends }
     }
 }
@@ -93,14 +94,27 @@ mod tests {
     /// Derivatives against differences, for axes that come closest inside, at an end, and at ends.
     #[test]
     fn derivatives_are_exact() {
-        let ends = |x: &SVector<f64, 12>, i: usize| Point3::new(x[3 * i], x[3 * i + 1], x[3 * i + 2]);
+        let ends =
+            |x: &SVector<f64, 12>, i: usize| Point3::new(x[3 * i], x[3 * i + 1], x[3 * i + 2]);
         let gap = |x: &SVector<f64, 12>| {
-            let capsule = |i: usize| Capsule { start: ends(x, i), end: ends(x, i + 1), radius: 0.0 };
+            let capsule =
+                |i: usize| Capsule { start: ends(x, i), end: ends(x, i + 1), radius: 0.0 };
             AxisGap::of(&capsule(0), &capsule(2))
         };
         for shift in [0.0, 1.4, 3.0] {
             let x = SVector::<f64, 12>::from_column_slice(&[
-                shift, 0.1, 0.0, 1.0 + shift, -0.2, 0.1, 0.5, -1.0, 0.6, 0.4, 0.9, 0.8,
+                shift,
+                0.1,
+                0.0,
+                1.0 + shift,
+                -0.2,
+                0.1,
+                0.5,
+                -1.0,
+                0.6,
+                0.4,
+                0.9,
+                0.8,
             ]);
             let here = gap(&x);
             let h = 1e-5;

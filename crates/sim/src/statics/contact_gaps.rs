@@ -1,16 +1,12 @@
 //! What the rods of a case touch, as gaps.
 
 use super::axis_gap::{AxisGap, may_cross};
+use super::fixed_object::{FixedObject, point, sizes};
 use crate::SimError;
-use crate::objects::{Sizes, build_object};
-use nalgebra::{DMatrix, Isometry3, Matrix3, Point3, Vector3};
+use nalgebra::{DMatrix, Point3, Vector3};
 use rapunzel_collision::Capsule;
-use rapunzel_collision::field::Soup;
-use rapunzel_coupling::{Field, extents};
-use rapunzel_export::surface::Placed;
 use rapunzel_rod_static::{Gap, GapFunctions, GapTerm};
 use rapunzel_scene::case::{Case, CaseRoot};
-use rapunzel_scene::{Object, ObjectShape};
 
 /// Distance, in the sum of two radii, up to which gaps between rods are listed.
 const LISTED: f64 = 3.0;
@@ -21,11 +17,6 @@ const SIDE_BY_SIDE: f64 = 0.3;
 const ROUND: f64 = 2.0;
 /// Arc length along a rod, in its radii, within which it does not touch itself: half a turn.
 const OWN: f64 = 7.0;
-/// Part of its extent by which nothing may pass through an object on one step.
-const PIERCED: f64 = 0.25;
-/// Step of differences of a field's gradient, in the radius of the rod.
-const FIELD_STEP: f64 = 1e-3;
-
 /// A rod as its contacts see it.
 struct TouchingRodGeometry {
     /// Radii at the stations, m.
@@ -33,18 +24,6 @@ struct TouchingRodGeometry {
     /// Arc lengths of the stations, m.
     lengths: Vec<f64>,
     root: CaseRoot,
-}
-
-/// An object as rods see it.
-struct FixedObject {
-    field: Field,
-    pose: Isometry3<f64>,
-    /// Axis and radius of a round one, world frame.
-    round: Option<Capsule>,
-    /// Whether its field is that of a plane.
-    flat: bool,
-    /// Its smallest extent, m; infinite for the ground.
-    extent: f64,
 }
 
 /// All gaps of a case.
@@ -93,13 +72,14 @@ impl CaseGaps {
     /// The direction in which a gap pushes its rod, and where it pushes: the stations of the rod
     /// with their parts in the place, and those of the other rod.
     pub(super) fn sides(&self, gap: &Gap) -> (Vector3<f64>, [Vec<(usize, f64)>; 2]) {
-        let [rod, first, _, part] = gap.between;
-        let is_station = part == 0;
+        let [rod, first, other, part] = gap.between;
+        // Two parts of one rod are told by their stations.
         let is_own = |term: &GapTerm| {
-            term.rod == rod
-                && (term.station == first || !is_station && term.station == first + 1)
+            let here = term.station == first || part > 0 && term.station == first + 1;
+            term.rod == rod && (rod != other || here)
         };
-        let (own, others): (Vec<&GapTerm>, Vec<&GapTerm>) = gap.terms.iter().partition(|term| is_own(term));
+        let (own, others): (Vec<&GapTerm>, Vec<&GapTerm>) =
+            gap.terms.iter().partition(|term| is_own(term));
         let normal: Vector3<f64> = own.iter().map(|term| term.derivative).sum();
         let parts = |terms: Vec<&GapTerm>| {
             terms.iter().map(|t| (t.station, t.derivative.dot(&normal).abs())).collect()
@@ -133,7 +113,8 @@ impl CaseGaps {
             for other in rod + 1..stations.len() {
                 for i in 0..nodes.len() - 1 {
                     for j in 0..stations[other].len() - 1 {
-                        let pair = [self.chord(rod, i, nodes), self.chord(other, j, &stations[other])];
+                        let pair =
+                            [self.chord(rod, i, nodes), self.chord(other, j, &stations[other])];
                         let apart = pair[0].closest(&pair[1]).distance();
                         if apart < 0.5 * (pair[0].radius + pair[1].radius) {
                             return Some((rod, other, pair[0].start));
@@ -195,18 +176,37 @@ impl CaseGaps {
         let first = usize::from(self.rods[rod].root != CaseRoot::Free);
         let spacing = nodes.windows(2).map(|ends| (ends[1] - ends[0]).norm()).fold(0.0, f64::max);
         for (i, object) in self.objects.iter().enumerate() {
-            for (station, at) in nodes.iter().enumerate().skip(first) {
-                gaps.push(self.station_gap([rod, station], i, at));
-            }
             let thin = |round: &&Capsule| round.radius < ROUND * spacing;
-            let Some(round) = object.round.as_ref().filter(thin) else { continue };
-            for station in 0..nodes.len() - 1 {
-                let chord = self.chord(rod, station, nodes);
-                let closest = chord.closest(round).fractions[0];
-                if closest > 0.0 && closest < 1.0 {
+            let Some(round) = object.round.as_ref().filter(thin) else {
+                for (station, at) in nodes.iter().enumerate().skip(first) {
+                    gaps.push(self.station_gap([rod, station], i, at));
+                }
+                continue;
+            };
+            // A thin one is touched between stations too, where the way to it is shortest.
+            let chords: Vec<_> =
+                (0..nodes.len() - 1).map(|station| self.chord(rod, station, nodes)).collect();
+            let apart: Vec<_> = chords.iter().map(|one| one.closest(round).distance()).collect();
+            let crosses: Vec<_> = chords.iter().map(|one| !lie_side_by_side(one, round)).collect();
+            let mut met = 0;
+            for (station, chord) in chords.iter().enumerate() {
+                let nearer = station == 0 || apart[station] < apart[station - 1];
+                let nearest = nearer && apart.get(station + 1).is_none_or(|d| apart[station] <= *d);
+                if crosses[station] && nearest {
                     let ends = [Some([rod, station]), Some([rod, station + 1]), None, None];
-                    let between = [rod, station, self.rods.len() + i, 1];
-                    gaps.push(Self::axis_gap(between, [&chord, round], &ends));
+                    // Counted, so that one that slides along the rod stays the same.
+                    gaps.push(Self::axis_gap(
+                        [rod, met, self.rods.len() + i, 1],
+                        [chord, round],
+                        &ends,
+                    ));
+                    met += 1;
+                }
+            }
+            for (station, at) in nodes.iter().enumerate().skip(first) {
+                let beside = [station.checked_sub(1), Some(station)].into_iter().flatten();
+                if !beside.filter_map(|chord| crosses.get(chord)).any(|crosses| *crosses) {
+                    gaps.push(self.station_gap([rod, station], i, at));
                 }
             }
         }
@@ -219,8 +219,10 @@ impl CaseGaps {
             (0..nodes[rod].len() - 1).map(|i| self.chord(rod, i, &nodes[rod])).collect()
         };
         let (ones, others) = (chords(rod), chords(other));
-        // Of each station of the first rod the nearest way beside it.
+        // Of each station of the first rod the nearest way beside it; and how far ways are apart.
         let mut beside: Vec<Option<(f64, usize)>> = vec![None; nodes[rod].len()];
+        let mut apart = vec![f64::INFINITY; ones.len() * others.len()];
+        let mut crossing = Vec::new();
         for (i, one) in ones.iter().enumerate() {
             for (j, two) in others.iter().enumerate() {
                 let reach = one.radius + two.radius;
@@ -229,35 +231,51 @@ impl CaseGaps {
                     continue;
                 }
                 let lengths = [one, two].map(|chord| (chord.end - chord.start).norm());
-                let middles = nalgebra::center(&one.start, &one.end)
-                    - nalgebra::center(&two.start, &two.end);
+                let middles =
+                    nalgebra::center(&one.start, &one.end) - nalgebra::center(&two.start, &two.end);
                 if middles.norm() > LISTED * reach + 0.5 * (lengths[0] + lengths[1]) {
                     continue;
                 }
-                let closest = one.closest(two);
-                let distance = closest.distance();
+                let distance = one.closest(two).distance();
                 if distance > LISTED * reach {
                     continue;
                 }
-                let sine = (one.end - one.start).cross(&(two.end - two.start)).norm();
-                if sine < SIDE_BY_SIDE * lengths[0] * lengths[1] {
-                    for station in [i, i + 1] {
-                        let point = point(&nodes[rod][station]);
-                        let distance = point.closest(two).distance();
-                        if beside[station].is_none_or(|(least, _)| distance < least) {
-                            beside[station] = Some((distance, j));
-                        }
+                apart[i * others.len() + j] = distance;
+                if !lie_side_by_side(one, two) {
+                    crossing.push([i, j]);
+                    continue;
+                }
+                for station in [i, i + 1] {
+                    let distance = point(&nodes[rod][station]).closest(two).distance();
+                    if beside[station].is_none_or(|(least, _)| distance < least) {
+                        beside[station] = Some((distance, j));
                     }
-                    continue;
                 }
-                // What comes closest at the end of a way does so at the start of the next.
-                let repeated = |part: f64, i: usize, count: usize| part >= 1.0 && i + 1 < count;
-                let [s, t] = closest.fractions;
-                if repeated(s, i, ones.len()) || repeated(t, j, others.len()) {
-                    continue;
-                }
+            }
+        }
+        // Ways that cross touch where they are nearer than the ways before and behind them: so
+        // there is one contact at a kink, and what is known of it does not jump.
+        let mut met = 0;
+        for [i, j] in crossing {
+            let near = apart[i * others.len() + j];
+            let mut around = (i.saturating_sub(1)..(i + 2).min(ones.len())).flat_map(|k| {
+                (j.saturating_sub(1)..(j + 2).min(others.len())).map(move |l| [k, l])
+            });
+            let nearest = around.all(|[k, l]| {
+                let other = apart[k * others.len() + l];
+                // Of equal ones the first counts.
+                [k, l] == [i, j] || near < other || near == other && [i, j] < [k, l]
+            });
+            if nearest {
                 let ends = [[rod, i], [rod, i + 1], [other, j], [other, j + 1]].map(Some);
-                gaps.push(Self::axis_gap([rod, i, other, j + 1], [one, two], &ends));
+                // Counted between two rods, so that one that slides stays the same.
+                let first = if own { i } else { met };
+                gaps.push(Self::axis_gap(
+                    [rod, first, other, 1 + if own { j } else { 0 }],
+                    [&ones[i], &others[j]],
+                    &ends,
+                ));
+                met += 1;
             }
         }
         for (station, near) in beside.iter().enumerate() {
@@ -270,29 +288,11 @@ impl CaseGaps {
     }
 }
 
-/// The lengths of rods, for what they touch.
-fn sizes(alone: &[Case]) -> Sizes {
-    Sizes {
-        longest: alone.iter().map(|rod| rod.length).fold(0.0, f64::max),
-        thickest: alone.iter().map(|rod| rod.matter().thickest()).fold(0.0, f64::max),
-        roundest: None,
-    }
-}
-
-/// The surfaces of the objects of a case, for its picture.
-pub(super) fn surfaces(case: &Case) -> Result<Vec<Placed>, SimError> {
-    let sizes = sizes(&case.alone());
-    let placed = case.objects.iter().enumerate().map(|(i, object)| {
-        let built = build_object(object, i, &sizes)?;
-        let (pose, Soup { vertices, triangles }) = (built.pose(0.0), built.surface());
-        let vertices = vertices.iter().map(|at| pose * at).collect();
-        Ok(Placed { pose, surface: Soup { vertices, triangles: triangles.clone() } })
-    });
-    placed.collect()
-}
-
-fn point(at: &Point3<f64>) -> Capsule {
-    Capsule { start: *at, end: *at, radius: 0.0 }
+/// Whether two axes go the same way, or opposite ways; not if one of them is a point.
+fn lie_side_by_side(one: &Capsule, two: &Capsule) -> bool {
+    let [first, second] = [one, two].map(|capsule| capsule.end - capsule.start);
+    let product = first.norm() * second.norm();
+    product > 0.0 && first.cross(&second).norm() < SIDE_BY_SIDE * product
 }
 
 impl GapFunctions for CaseGaps {
@@ -355,76 +355,5 @@ impl GapFunctions for CaseGaps {
         let radii = radii.filter(|_| self.rods.len() > 1);
         let extents = self.objects.iter().map(|object| 0.5 * object.extent);
         radii.chain(extents).fold(f64::INFINITY, f64::min)
-    }
-}
-
-impl FixedObject {
-    fn new(object: &Object, index: usize, sizes: &Sizes) -> Result<Self, SimError> {
-        let built = build_object(object, index, sizes)?;
-        let pose = built.pose(0.0);
-        let round = match object.shape {
-            ObjectShape::Ball { radius } => Some((0.0, radius)),
-            ObjectShape::Capsule { length, radius } => Some((length, radius)),
-            _ => None,
-        };
-        let round = round.map(|(length, radius)| {
-            let end = Point3::new(0.0, 0.0, 0.5 * length);
-            Capsule { start: pose * -end, end: pose * end, radius }
-        });
-        let endless = object.shape.is_endless();
-        let sides = extents(built.surface()).map(|[low, high]| high - low);
-        let extent = sides.into_iter().fold(f64::INFINITY, f64::min);
-        Ok(Self {
-            field: built.field().clone(),
-            pose,
-            round,
-            flat: matches!(object.shape, ObjectShape::Plane { .. }),
-            extent: if endless { f64::INFINITY } else { extent },
-        })
-    }
-
-    /// Distance of a point from the surface, m, with its gradient and second derivatives, 1/m.
-    fn distance(&self, at: &Point3<f64>, radius: f64) -> (f64, Vector3<f64>, Matrix3<f64>) {
-        if let Some(round) = &self.round {
-            let gap = AxisGap::of(&point(at), round);
-            let derivative = gap.derivatives.fixed_rows::<3>(0).into_owned();
-            let curvature = gap.curvature.fixed_view::<3, 3>(0, 0).into_owned();
-            return (gap.distance - round.radius, derivative, curvature);
-        }
-        let own = self.pose.inverse_transform_point(at);
-        let sample = self.field.sample(&own);
-        let mut curvature = Matrix3::zeros();
-        if !self.flat && sample.value < 2.0 * radius {
-            let step = FIELD_STEP * radius;
-            for k in 0..3 {
-                let by = Vector3::ith(k, step);
-                let [low, high] = [own - by, own + by].map(|at| self.field.sample(&at).gradient);
-                curvature.set_column(k, &((high - low) / (2.0 * step)));
-            }
-            curvature = 0.5 * (curvature + curvature.transpose());
-        }
-        let turn = self.pose.rotation.to_rotation_matrix();
-        let curvature = turn.matrix() * curvature * turn.matrix().transpose();
-        (sample.value, self.pose * sample.gradient, curvature)
-    }
-
-    /// Whether it has an other side, and no axis.
-    fn is_pierceable(&self) -> bool {
-        self.extent.is_finite() && self.round.is_none()
-    }
-
-    /// Whether a point that moves straight goes deep into it.
-    fn is_pierced(&self, from: &Point3<f64>, to: &Point3<f64>) -> bool {
-        let deep = -PIERCED * self.extent;
-        let parts = ((to - from).norm() / (PIERCED * self.extent)).ceil().clamp(1.0, 1000.0);
-        let mut part = 1.0;
-        while part <= parts {
-            let at = from + (to - from) * (part / parts);
-            if self.field.value(&self.pose.inverse_transform_point(&at)) < deep {
-                return true;
-            }
-            part += 1.0;
-        }
-        false
     }
 }

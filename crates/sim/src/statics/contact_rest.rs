@@ -12,8 +12,7 @@ use crate::file::read_text;
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use rapunzel_fiber::so3;
 use rapunzel_rod_static::{
-    Assembly, AssemblyRest, AssemblyRod, Chain, Gap, RootSupport, Shape, StaticError,
-    Target,
+    Assembly, AssemblyRest, AssemblyRod, Chain, Gap, RootSupport, Shape, StaticError, Target,
 };
 use rapunzel_scene::case::{Case, CaseEnd, CaseRoot, CaseStart};
 use std::path::Path;
@@ -102,8 +101,7 @@ fn built(case: &Case, segments: usize) -> Result<AssemblyRod, SimError> {
         // What the end lacks is spread along the rod.
         let frame = pose(&rapunzel_scene::Pose { position, orientation })?.rotation;
         let lacking = (start.frames()[segments].inverse() * frame).scaled_axis();
-        let by: Vec<_> =
-            (1..=segments).map(|i| lacking * (i as f64 / segments as f64)).collect();
+        let by: Vec<_> = (1..=segments).map(|i| lacking * (i as f64 / segments as f64)).collect();
         start = chain.turned(&start, &by)?;
         chain.hold_tip_frame(true);
     }
@@ -160,9 +158,9 @@ fn along(
     for ends in points.windows(2) {
         let way = ends[1] - ends[0];
         let before = frames[frames.len() - 1];
-        let Some(turn) = way.try_normalize(0.0).and_then(|along| {
-            so3::between(&(before * Vector3::z()), &along)
-        }) else {
+        let Some(turn) =
+            way.try_normalize(0.0).and_then(|along| so3::between(&(before * Vector3::z()), &along))
+        else {
             let why = "has a point twice, or turns back".to_owned();
             return Err(refused(path, None, why));
         };

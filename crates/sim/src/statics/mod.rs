@@ -6,6 +6,7 @@ mod branch;
 mod contact_gaps;
 mod contact_rest;
 mod equilibria;
+mod fixed_object;
 mod length;
 mod problem;
 mod solve;
@@ -18,7 +19,7 @@ pub use answer::{
     ModeStation, Peak, Stability, Station, Touch, TouchedBy,
 };
 pub use rapunzel_scene::case::{
-    Case, CaseEnd, CaseRod, CaseRoot, CaseStart, CaseSweep, Critical, Force, JoinedRod, Parameter,
-    PlacedPoint, PointMass, SlidingHold, TouchingRod, Wish, Wished,
+    BranchSwitch, Case, CaseEnd, CaseRod, CaseRoot, CaseStart, CaseSweep, Critical, Force,
+    JoinedRod, Parameter, PlacedPoint, PointMass, SlidingHold, TouchingRod, Wish, Wished,
 };
 pub use solve::solve;

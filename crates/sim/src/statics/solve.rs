@@ -27,8 +27,7 @@ pub fn solve(case: &Case) -> Result<CaseAnswer, SimError> {
     let wish = case.wish.map(|wish| find_length(case, &wish)).transpose()?;
     let case = Case { length: wish.map_or(case.length, |found| found.length), ..case.clone() };
     let (branch, equilibria) = if let Some(asked) = case.sweep {
-        let range = [asked.from, asked.to];
-        let (branch, shown) = sweep(&case, asked.of, range, asked.steps, asked.shapes)?;
+        let (branch, shown) = sweep(&case, &asked)?;
         (Some(branch), shown)
     } else if let Some(asked) = case.critical {
         let (branch, shown) = critical(&case, asked.of, [asked.first(case.length), asked.up_to])?;

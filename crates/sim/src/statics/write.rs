@@ -1,7 +1,5 @@
-use super::answer::{
-    CaseAnswer, CaseBranch, CaseContact, CaseEquilibrium, CaseLimit, TouchedBy,
-};
-use super::contact_gaps::surfaces;
+use super::answer::{CaseAnswer, CaseBranch, CaseContact, CaseEquilibrium, CaseLimit, TouchedBy};
+use super::fixed_object::surfaces;
 use crate::SimError;
 use crate::folder::{PREVIEW, claim};
 use crate::storage::{save, write_atomically};
@@ -91,7 +89,7 @@ impl CaseBranch {
         let mut text = format!("parameter ({parameter}),{BRANCH_COLUMNS}\n");
         let mut limits = self.limits.iter();
         let mut before = self.points.first().map_or(0, |point| point.ways_down);
-        for point in &self.points {
+        for (i, point) in self.points.iter().enumerate() {
             let (elastic, loads) = (point.elastic_energy, point.load_energy);
             let vectors = [
                 point.end_position,
@@ -105,10 +103,15 @@ impl CaseBranch {
                 text += &format!("{number:?},");
             }
             let mut passed = Vec::new();
-            while before != point.ways_down {
+            let switches = self.switched == Some(i);
+            while before != point.ways_down || switches && passed.is_empty() {
                 let Some(limit) = limits.next() else { break };
-                before = limit.ways_down[1];
-                let kind = if limit.is_fold { "fold" } else { "bifurcation" };
+                before = if switches { point.ways_down } else { limit.ways_down[1] };
+                let kind = match (limit.is_fold, switches) {
+                    (true, _) => "fold",
+                    (false, false) => "bifurcation",
+                    (false, true) => "other branch from the bifurcation",
+                };
                 passed.push(format!("{kind} at {:?}", limit.parameter));
             }
             before = point.ways_down;

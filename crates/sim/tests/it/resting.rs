@@ -3,6 +3,8 @@
 use approx::assert_relative_eq;
 use nalgebra::Vector3;
 use rapunzel_sim::statics::{Case, CaseAnswer, CaseContact, TouchedBy, solve};
+use std::fs;
+use std::path::Path;
 
 fn case(text: &str) -> Case {
     Case::from_ron(text).unwrap_or_else(|error| panic!("{error}"))
@@ -85,6 +87,26 @@ fn crossed_cantilevers_share_a_force() {
     assert_relative_eq!(sunk, -1e-5 * 0.75 / (3.0 * 0.06), max_relative = 1e-3);
 }
 
+/// A cantilever of length 1 over a bar thinner than a segment at the length `a`, with a small force
+/// `f` on its tip: the bar bears `f (3 - a) / 2 a`.
+#[test]
+fn a_cantilever_is_propped_by_a_thin_bar() {
+    let a = 0.501;
+    let found = answer(&format!(
+        "(format: 1, length: 1.0, gravity: (0, 0, 0), rod: {}, parts: 200,
+          clamp: ({LEVEL}), end: Free(force: (0, 0, -1e-5)),
+          objects: [(shape: Capsule(length: 1, radius: 0.001), turn: (90, 0, 0),
+                     position: ({a}, 0, -0.003))])",
+        rod(0.02, 0.002)
+    ));
+    let contact = found.contact.expect("contacts");
+    obeyed(&contact);
+    let [touch] = contact.touches[..] else { panic!("{:?}", contact.touches) };
+    assert_relative_eq!(touch.force, 1e-5 * (3.0 - a) / (2.0 * a), max_relative = 1e-4);
+    assert_relative_eq!(touch.at, a, epsilon = 1e-6);
+    assert_relative_eq!(touch.position[2], -0.002, epsilon = 1e-6);
+}
+
 /// A limp rod that a force draws around a cylinder: of a tension `T` in its free part, bending
 /// takes `B / 2 R^2` where it lies on the cylinder, and what is left presses by `/ R`.
 #[test]
@@ -110,6 +132,35 @@ fn a_rod_is_drawn_around_a_cylinder() {
     let sum: Vector3<f64> = sum.sum();
     let clamp = Vector3::from(found.equilibria[0].clamp_force);
     assert!((sum + Vector3::new(0.0, 0.0, -force) - clamp).norm() < 1e-9, "{sum} {clamp}");
+}
+
+/// The case that ships: a cable over a bar, a wire and the floor. What pushes and holds carries the
+/// weight, and the answer is written.
+#[test]
+fn a_cable_lies_on_a_bar_a_wire_and_the_floor() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/static/laid-on-a-bar.ron");
+    let case = case(&fs::read_to_string(path).expect("a case"));
+    let found = solve(&case).unwrap_or_else(|error| panic!("{error}"));
+    let contact = found.contact.as_ref().expect("contacts");
+    obeyed(contact);
+    let mut carried = 0.0;
+    for touch in &contact.touches {
+        // Forces between rods carry nothing together.
+        let lifts = matches!(touch.by, TouchedBy::Object(_));
+        carried += if lifts { touch.force * touch.normal[2] } else { 0.0 };
+    }
+    carried -= found.equilibria.iter().map(|rod| rod.clamp_force[2]).sum::<f64>();
+    assert_relative_eq!(carried, 9.81 * (1.4 * 0.06 + 0.5 * 0.02), max_relative = 1e-9);
+    for by in [TouchedBy::Object(0), TouchedBy::Object(1)] {
+        assert!(contact.touches.iter().any(|touch| touch.rod == 0 && touch.by == by), "{by:?}");
+    }
+    assert!(contact.touches.iter().any(|touch| matches!(touch.by, TouchedBy::Rod(1, _))));
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = std::path::PathBuf::from("/tmp/c/q-a-out");
+    found.save(&out, &case).expect("written");
+    let table = fs::read_to_string(out.join("contacts.csv")).expect("a table");
+    assert_eq!(table.lines().count(), 1 + contact.touches.len());
+    drop(folder);
 }
 
 #[test]
@@ -140,7 +191,10 @@ fn what_makes_no_sense_of_contacts_is_refused() {
     for (more, word) in [
         ("root: Free", "root"),
         ("objects: [(shape: Ball(radius: 0.1), moves: Free(mass: Mass(1)))]", "moves"),
-        ("objects: [(shape: Ball(radius: 0.1), motion: Shake(amplitude: (0, 0, 1), frequency: 1))]", "motion"),
+        (
+            "objects: [(shape: Ball(radius: 0.1), motion: Shake(amplitude: (0, 0, 1), frequency: 1))]",
+            "motion",
+        ),
         ("objects: [(shape: Ball(radius: 0.1), friction: Isotropic(0.2))]", "friction"),
         ("objects: [(shape: Ball(radius: -0.1))]", "radius"),
         ("objects: [(shape: Ball(radius: 0.1))], all_with_turns: 0", "all_with_turns"),
