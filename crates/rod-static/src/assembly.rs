@@ -2,7 +2,7 @@
 
 use crate::StaticError;
 use crate::chain::Chain;
-use crate::gap::{Gap, GapFunctions};
+use crate::gap::Gap;
 use crate::loaded_rod::places;
 use crate::riccati::RootSupport;
 use crate::shape::Shape;
@@ -28,11 +28,11 @@ pub struct AssemblyRod {
 /// then pushes with a force that is not negative, and with none where there is a gap. With
 /// friction there would be many shapes at rest, and this one among them.
 #[derive(Debug, Clone)]
-pub struct Assembly {
+pub struct RodAssembly {
     pub(crate) rods: Vec<AssemblyRod>,
 }
 
-/// An equilibrium of an [`Assembly`].
+/// An equilibrium of an [`RodAssembly`].
 #[derive(Debug, Clone)]
 pub struct AssemblyRest {
     /// The shapes of the rods.
@@ -60,7 +60,7 @@ pub struct AssemblyRest {
     pub iterations: usize,
 }
 
-impl Assembly {
+impl RodAssembly {
     /// An assembly of these rods.
     ///
     /// # Errors
@@ -78,21 +78,6 @@ impl Assembly {
             }
         }
         Ok(Self { rods })
-    }
-
-    /// The equilibrium that is reached from the starts.
-    ///
-    /// The method of multipliers (Hestenes 1969; Powell 1969; Rockafellar 1973): the energy plus
-    /// one-sided springs, whose stiffness grows in a few stages, is minimised by Newton's method,
-    /// and then the force of each spring becomes the force of its contact. A step in which a rod
-    /// would pass through something is shortened. The second variation of the equilibrium is
-    /// positive, so it is stable. Cost of a step: in proportion to the number of segments, and to
-    /// the third power of the number of contacts between rods.
-    ///
-    /// # Errors
-    /// [`StaticError::Adrift`] for a rod that nothing holds, and [`StaticError::NotConverged`].
-    pub fn relax(&self, gaps: &impl GapFunctions) -> Result<AssemblyRest, StaticError> {
-        crate::multipliers::relax(self, gaps)
     }
 }
 

@@ -1,9 +1,9 @@
 //! Newton steps of an assembly.
 
-use crate::assembly::Assembly;
-use crate::assembly_trial::{AssemblyTrial, Springs};
+use crate::assembly::RodAssembly;
+use crate::assembly_trial::{AssemblyTrial, GapSprings};
 use crate::loaded_rod::LoadedRod;
-use crate::riccati::{OnRod, RiccatiFactor, SecondVariation, Variation};
+use crate::riccati::{OnRod, RiccatiFactor, RodVariation, SecondVariation};
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 /// Multiples of the blocks' shifts that are tried in turn.
@@ -13,27 +13,27 @@ const FLAT: f64 = 1e-9;
 
 /// A Newton step of an assembly.
 pub(crate) struct AssemblyStep {
-    pub(crate) rods: Vec<Variation>,
+    pub(crate) rods: Vec<RodVariation>,
     /// Multiple of the shifts that makes the second variation positive.
     pub(crate) shift: f64,
     /// A rod whose root has a freedom that nothing holds.
     pub(crate) loose: Option<usize>,
     /// A variation along which the energy falls.
-    pub(crate) falling: Option<Vec<Variation>>,
+    pub(crate) falling: Option<Vec<RodVariation>>,
     /// Change of the energy along the step, to first order, J.
     pub(crate) slope: f64,
 }
 
 /// What acts on a rod: moments on its nodes, N m, in their own axes, and forces, N.
-type Loads = (Vec<Vector3<f64>>, OnRod<Vector3<f64>>);
+type RodLoads = (Vec<Vector3<f64>>, OnRod<Vector3<f64>>);
 
 /// A stiffness along one direction of several stations: what couples rods.
-struct Link {
+struct StationLink {
     rows: Vec<(usize, usize, Vector3<f64>)>,
     stiffness: f64,
 }
 
-impl Link {
+impl StationLink {
     /// The way along the direction when each station moves by what `of` says.
     fn along(&self, of: impl Fn(usize, usize) -> Vector3<f64>) -> f64 {
         self.rows.iter().map(|(rod, station, row)| row.dot(&of(*rod, *station))).sum()
@@ -45,8 +45,8 @@ impl AssemblyTrial {
     /// `constraints`, the rods are stressed by the forces that the springs start from.
     pub(crate) fn step(
         &self,
-        of: &Assembly,
-        springs: &Springs,
+        of: &RodAssembly,
+        springs: &GapSprings,
         constraints: bool,
     ) -> Option<AssemblyStep> {
         let stressing: Vec<f64> = if constraints {
@@ -110,10 +110,10 @@ impl AssemblyTrial {
     }
 
     /// A variation of one rod along which the energy falls.
-    fn falling(&self, factors: &[RiccatiFactor]) -> Option<Vec<Variation>> {
+    fn falling(&self, factors: &[RiccatiFactor]) -> Option<Vec<RodVariation>> {
         let (at, falling) =
             factors.iter().enumerate().find_map(|(i, factor)| Some((i, factor.falling()?)))?;
-        let still = self.frames.iter().map(|frames| Variation {
+        let still = self.frames.iter().map(|frames| RodVariation {
             turns: vec![Vector3::zeros(); frames.len()],
             ways: OnRod::filled(&Vector3::zeros(), frames.len() - 1),
         });
@@ -126,8 +126,8 @@ impl AssemblyTrial {
     /// of the gaps, and by held places.
     fn springs(
         &self,
-        of: &Assembly,
-        springs: &Springs,
+        of: &RodAssembly,
+        springs: &GapSprings,
         stressing: &[f64],
         curved: bool,
     ) -> Vec<OnRod<Matrix3<f64>>> {
@@ -158,18 +158,18 @@ impl AssemblyTrial {
     /// The stiffnesses of contacts of several stations.
     fn links(
         &self,
-        of: &Assembly,
-        springs: &Springs,
+        of: &RodAssembly,
+        springs: &GapSprings,
         stressing: &[f64],
         curved: bool,
-    ) -> Vec<Link> {
+    ) -> Vec<StationLink> {
         let mut links = Vec::new();
         for ((gap, push), stress) in self.gaps.iter().zip(&self.pushes).zip(stressing) {
             if *push == 0.0 || gap.terms.len() == 1 {
                 continue;
             }
             let rows = gap.terms.iter().map(|term| (term.rod, term.station, term.derivative));
-            links.push(Link { rows: rows.collect(), stiffness: of.stiffness(springs, gap) });
+            links.push(StationLink { rows: rows.collect(), stiffness: of.stiffness(springs, gap) });
             if !curved || *stress == 0.0 {
                 continue;
             }
@@ -182,7 +182,7 @@ impl AssemblyTrial {
                 let rows = gap.terms.iter().enumerate().map(|(i, term)| {
                     (term.rod, term.station, vector.fixed_rows::<3>(3 * i).into_owned())
                 });
-                links.push(Link { rows: rows.collect(), stiffness: -value * stress });
+                links.push(StationLink { rows: rows.collect(), stiffness: -value * stress });
             }
         }
         links
@@ -193,18 +193,18 @@ impl AssemblyTrial {
 /// links, and the number of variations that lower the energy.
 fn linked(
     factors: &[RiccatiFactor],
-    links: &[Link],
-    loads: &[Loads],
-) -> Option<(Vec<Variation>, usize)> {
+    links: &[StationLink],
+    loads: &[RodLoads],
+) -> Option<(Vec<RodVariation>, usize)> {
     let negative: usize = factors.iter().map(|factor| factor.negative).sum();
     let alone = factors.iter().zip(loads);
-    let mut step: Vec<Variation> =
+    let mut step: Vec<RodVariation> =
         alone.map(|(factor, (moments, forces))| factor.solve(moments, forces)).collect();
     if links.is_empty() {
         return Some((step, negative));
     }
     // Responses of the rods to the links, by link: pairs of rod and variation.
-    let response = |link: &Link| -> Vec<(usize, Variation)> {
+    let response = |link: &StationLink| -> Vec<(usize, RodVariation)> {
         let mut rods: Vec<usize> = link.rows.iter().map(|row| row.0).collect();
         rods.dedup();
         let on = |rod: usize| {

@@ -1,15 +1,15 @@
 //! Shapes of an assembly that a search tries.
 
-use crate::assembly::Assembly;
+use crate::assembly::RodAssembly;
 use crate::gap::{Gap, GapFunctions};
 use crate::loaded_rod::{LoadedRod, places};
-use crate::riccati::{OnRod, Variation};
+use crate::riccati::{OnRod, RodVariation};
 use nalgebra::{Point3, UnitQuaternion, Vector3};
 use std::collections::BTreeMap;
 
 /// Stiffness of the springs in the gaps, and the forces that they start from.
 #[derive(Debug, Clone)]
-pub(crate) struct Springs {
+pub(crate) struct GapSprings {
     /// In units of the stiffness of a segment.
     pub(crate) factor: f64,
     /// Forces of contacts, N, by what they are between.
@@ -33,7 +33,7 @@ pub(crate) struct AssemblyTrial {
     pub(crate) merit: f64,
 }
 
-impl Springs {
+impl GapSprings {
     /// The largest difference of a force from what it was before, N, and the largest force.
     pub(crate) fn change(&self, before: &Self) -> [f64; 2] {
         let [mut change, mut largest] = [0.0_f64; 2];
@@ -53,9 +53,9 @@ impl Springs {
 
 impl AssemblyTrial {
     pub(crate) fn new(
-        of: &Assembly,
+        of: &RodAssembly,
         gaps: &impl GapFunctions,
-        springs: &Springs,
+        springs: &GapSprings,
         frames: Vec<Vec<UnitQuaternion<f64>>>,
         roots: &[Point3<f64>],
     ) -> Self {
@@ -95,7 +95,7 @@ impl AssemblyTrial {
     /// The frames and roots after a part of a step.
     pub(crate) fn moved(
         &self,
-        step: &[Variation],
+        step: &[RodVariation],
         part: f64,
     ) -> (Vec<Vec<UnitQuaternion<f64>>>, Vec<Point3<f64>>) {
         let turned = self.frames.iter().zip(step).map(|(frames, step)| {
@@ -113,7 +113,7 @@ impl AssemblyTrial {
     /// Forces of contacts and of held places, N, world frame, by rod.
     pub(crate) fn forces(
         &self,
-        of: &Assembly,
+        of: &RodAssembly,
         pushes: &[f64],
         pulls: &[Vec<Vector3<f64>>],
     ) -> Vec<OnRod<Vector3<f64>>> {
@@ -134,7 +134,12 @@ impl AssemblyTrial {
     }
 
     /// The forces after a step, by the linear equations of the step.
-    pub(crate) fn foretold(&self, of: &Assembly, springs: &Springs, step: &[Variation]) -> Springs {
+    pub(crate) fn foretold(
+        &self,
+        of: &RodAssembly,
+        springs: &GapSprings,
+        step: &[RodVariation],
+    ) -> GapSprings {
         let mut pushes = BTreeMap::new();
         for (gap, push) in self.gaps.iter().zip(&self.pushes).filter(|(_, push)| **push > 0.0) {
             let change = gap
@@ -153,13 +158,13 @@ impl AssemblyTrial {
                 *pull -= stiffness * step[i].ways.nodes[target.node];
             }
         }
-        Springs { pushes, pulls, ..*springs }
+        GapSprings { pushes, pulls, ..*springs }
     }
 }
 
-impl Assembly {
+impl RodAssembly {
     /// Stiffness of the spring in a gap, N/m.
-    pub(crate) fn stiffness(&self, springs: &Springs, gap: &Gap) -> f64 {
+    pub(crate) fn stiffness(&self, springs: &GapSprings, gap: &Gap) -> f64 {
         let units = gap.terms.iter().map(|term| self.rods[term.rod].contact_unit());
         springs.factor * units.fold(f64::INFINITY, f64::min)
     }

@@ -78,7 +78,7 @@ pub enum BranchEnd {
 
 /// Up to where a branch is followed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Until {
+pub(crate) enum WalkGoal {
     /// The end of the range.
     End,
     /// Where it loses its stability.
@@ -133,14 +133,15 @@ impl ParameterSweep<'_> {
     /// past folds, in steps that follow the curvature of the branch.
     ///
     /// Where the stability changes, the point is found to the rounding of the equations. At a
-    /// bifurcation the branch goes straight on; see [`ParameterSweep::follow_other`]. Cost: about five Newton steps for each point.
+    /// bifurcation the branch goes straight on; see [`ParameterSweep::follow_other`]. Cost: about
+    /// five Newton steps for each point.
     ///
     /// # Errors
     /// [`StaticError::NoSteps`], numbers that are not finite, an empty range, errors of the problem
     /// at the start, and [`StaticError::NotFound`] if Newton's method does not lead from `start` to
     /// an equilibrium.
     pub fn follow(&self, start: &Equilibrium) -> Result<Branch, StaticError> {
-        self.walk(start, Until::End)
+        self.walk(start, WalkGoal::End)
     }
 
     /// The branch of [`ParameterSweep::follow`] up to where it loses its stability: its last limit,
@@ -149,10 +150,10 @@ impl ParameterSweep<'_> {
     /// # Errors
     /// As [`ParameterSweep::follow`], and [`StaticError::Unstable`] for a start that is not stable.
     pub fn until_unstable(&self, start: &Equilibrium) -> Result<Branch, StaticError> {
-        self.walk(start, Until::Unstable)
+        self.walk(start, WalkGoal::Unstable)
     }
 
-    pub(crate) fn walk(&self, start: &Equilibrium, until: Until) -> Result<Branch, StaticError> {
+    pub(crate) fn walk(&self, start: &Equilibrium, until: WalkGoal) -> Result<Branch, StaticError> {
         if self.steps == 0 {
             return Err(StaticError::NoSteps);
         }
@@ -167,7 +168,7 @@ impl ParameterSweep<'_> {
             Followed { parameter: self.from, problem, elements, nodes: start.nodes.clone() };
         let first = self.fixed(first, self.from).ok_or(StaticError::NotFound)?;
         let equilibrium = first.judged().ok_or(StaticError::NotFound)?;
-        if until == Until::Unstable && !equilibrium.is_stable() {
+        if until == WalkGoal::Unstable && !equilibrium.is_stable() {
             return Err(StaticError::Unstable { ways: equilibrium.conjugate_points() });
         }
         let point = BranchPoint { parameter: self.from, equilibrium };
@@ -182,7 +183,7 @@ impl ParameterSweep<'_> {
         branch: Branch,
         mut before: Option<Followed>,
         mut here: Followed,
-        until: Until,
+        until: WalkGoal,
     ) -> Branch {
         let Branch { mut points, mut limits, switched, .. } = branch;
         let (most, longest) =
@@ -206,7 +207,7 @@ impl ParameterSweep<'_> {
                 limits.extend(self.limits(&here, &next, counts));
                 let is_bifurcation =
                     |one: &(usize, &LimitPoint)| one.1.kind == LimitKind::Bifurcation;
-                if let Until::Bifurcation(asked) = until
+                if let WalkGoal::Bifurcation(asked) = until
                     && let Some((met, _)) =
                         limits.iter().enumerate().filter(is_bifurcation).nth(asked)
                 {
@@ -216,7 +217,7 @@ impl ParameterSweep<'_> {
                 }
             }
             points.push(BranchPoint { parameter: next.parameter, equilibrium });
-            if until == Until::Unstable && counts[1] > 0 {
+            if until == WalkGoal::Unstable && counts[1] > 0 {
                 ended = BranchEnd::Lost;
                 break;
             }

@@ -2,7 +2,7 @@
 
 use crate::StaticError;
 use crate::branch::{
-    Branch, BranchEnd, BranchPoint, Followed, ParameterSweep, SHORTEST_BRANCH_STEP, Until,
+    Branch, BranchEnd, BranchPoint, Followed, ParameterSweep, SHORTEST_BRANCH_STEP, WalkGoal,
 };
 use crate::branch_direction::Direction;
 use crate::equilibrium::Equilibrium;
@@ -26,7 +26,7 @@ impl ParameterSweep<'_> {
         bifurcation: usize,
         against: bool,
     ) -> Result<Branch, StaticError> {
-        let mut branch = self.walk(start, Until::Bifurcation(bifurcation))?;
+        let mut branch = self.walk(start, WalkGoal::Bifurcation(bifurcation))?;
         if branch.ended != BranchEnd::Met {
             let met = branch.limits.iter().filter(|one| one.kind == LimitKind::Bifurcation).count();
             return Err(StaticError::NoBifurcation { asked: bifurcation, met });
@@ -36,7 +36,7 @@ impl ParameterSweep<'_> {
         let equilibrium = here.judged().ok_or(StaticError::NotFound)?;
         branch.switched = Some(branch.points.len());
         branch.points.push(BranchPoint { parameter: here.parameter, equilibrium });
-        Ok(self.march(branch, Some(before), here, Until::End))
+        Ok(self.march(branch, Some(before), here, WalkGoal::End))
     }
 
     /// The bifurcation, and a point of the other branch a step away along its mode.

@@ -46,7 +46,7 @@ mod trial;
 mod two_phase;
 
 pub use adjoint::{EndLoadDerivatives, ShapeDerivatives};
-pub use assembly::{Assembly, AssemblyRest, AssemblyRod};
+pub use assembly::{AssemblyRest, AssemblyRod, RodAssembly};
 pub use branch::{Branch, BranchEnd, BranchPoint, ParameterSweep};
 pub use chain::Chain;
 pub use equilibrium::Equilibrium;

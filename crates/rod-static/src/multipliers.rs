@@ -1,12 +1,12 @@
 //! The method of multipliers for rods in contact.
 
 use crate::StaticError;
-use crate::assembly::{Assembly, AssemblyRest};
+use crate::assembly::{AssemblyRest, RodAssembly};
 use crate::assembly_step::AssemblyStep;
-use crate::assembly_trial::{AssemblyTrial, Springs};
+use crate::assembly_trial::{AssemblyTrial, GapSprings};
 use crate::gap::GapFunctions;
 use crate::loaded_rod::LoadedRod;
-use crate::riccati::{RootSupport, Variation};
+use crate::riccati::{RodVariation, RootSupport};
 use crate::shape::Shape;
 use nalgebra::{Point3, UnitQuaternion, Vector3};
 use std::collections::BTreeMap;
@@ -16,7 +16,7 @@ const SOFT: f64 = 0.1;
 /// Stiffness of the last springs, in units of that of a segment: stiff against what the contact
 /// forces of neighbouring nodes can do, and soft enough that rounded positions give them to six
 /// digits.
-const STIFF: f64 = 200.0;
+const STIFFEST: f64 = 200.0;
 /// Stiffness, in the same units, of springs that serve as constraints.
 const CONSTRAINT: f64 = 1e5;
 /// Growth of the stiffness from one stage to the next, at most.
@@ -47,7 +47,7 @@ const LONGEST: f64 = 1.0;
 /// Size of a step of a shifted matrix below which a direction of falling energy is tried.
 const NEAR_SADDLE: f64 = 0.03;
 /// Size of a step below which the merit is not tested.
-const CLOSE: f64 = 1e-6;
+const CLOSE_STEP: f64 = 1e-6;
 /// Part of the slope that a step must bring (Armijo 1966).
 const SUFFICIENT: f64 = 1e-4;
 /// Rounding error of a merit, relative to it.
@@ -61,7 +61,7 @@ const AWAY: f64 = 1e3;
 
 /// How a stage ended.
 #[derive(Clone, Copy)]
-enum Stage {
+enum SearchStage {
     Rests,
     /// A rod has a freedom that nothing holds.
     Loose(usize),
@@ -69,35 +69,48 @@ enum Stage {
     Stuck(f64),
 }
 
-pub(crate) fn relax(of: &Assembly, gaps: &impl GapFunctions) -> Result<AssemblyRest, StaticError> {
-    let mut search = Search::new(of, gaps);
-    let mut factor = search.first_factor();
-    loop {
-        search.springs.factor = factor;
-        let last = factor >= STIFF;
-        let stage = search.descend(if last { TIGHT_CHANGE } else { LOOSE_CHANGE })?;
-        if last {
-            return search.finish(stage);
+impl RodAssembly {
+    /// The equilibrium that is reached from the starts.
+    ///
+    /// The method of multipliers (Hestenes 1969; Powell 1969; Rockafellar 1973): the energy plus
+    /// one-sided springs, whose stiffness grows in a few stages, is minimised by Newton's method,
+    /// and then the force of each spring becomes the force of its contact. A step in which a rod
+    /// would pass through something is shortened. The second variation of the equilibrium is
+    /// positive, so it is stable. Cost of a step: in proportion to the number of segments, and to
+    /// the third power of the number of contacts between rods.
+    ///
+    /// # Errors
+    /// [`StaticError::Adrift`] for a rod that nothing holds, and [`StaticError::NotConverged`].
+    pub fn relax(&self, gaps: &impl GapFunctions) -> Result<AssemblyRest, StaticError> {
+        let mut search = AssemblySearch::new(self, gaps);
+        let mut factor = search.first_factor();
+        loop {
+            search.springs.factor = factor;
+            let last = factor >= STIFFEST;
+            let stage = search.descend(if last { TIGHT_CHANGE } else { LOOSE_CHANGE })?;
+            if last {
+                return search.finish(stage);
+            }
+            if matches!(stage, SearchStage::Rests) {
+                search.take_forces();
+            }
+            factor = (factor * STAGE_GROWTH).min(STIFFEST);
         }
-        if matches!(stage, Stage::Rests) {
-            search.take_forces();
-        }
-        factor = (factor * STAGE_GROWTH).min(STIFF);
     }
 }
 
-struct Search<'a, G> {
-    of: &'a Assembly,
+struct AssemblySearch<'a, G> {
+    of: &'a RodAssembly,
     gaps: &'a G,
-    springs: Springs,
+    springs: GapSprings,
     now: AssemblyTrial,
     iterations: usize,
 }
 
-impl<'a, G: GapFunctions> Search<'a, G> {
-    fn new(of: &'a Assembly, gaps: &'a G) -> Self {
+impl<'a, G: GapFunctions> AssemblySearch<'a, G> {
+    fn new(of: &'a RodAssembly, gaps: &'a G) -> Self {
         let pulls = of.rods.iter().map(|rod| vec![Vector3::zeros(); rod.holds().len()]).collect();
-        let springs = Springs { factor: STIFF, pushes: BTreeMap::new(), pulls };
+        let springs = GapSprings { factor: STIFFEST, pushes: BTreeMap::new(), pulls };
         let frames = of.rods.iter().map(|rod| rod.start.frames.clone()).collect();
         let roots: Vec<_> = of.rods.iter().map(|rod| rod.start.positions[0]).collect();
         let now = AssemblyTrial::new(of, gaps, &springs, frames, &roots);
@@ -113,7 +126,7 @@ impl<'a, G: GapFunctions> Search<'a, G> {
             let depth = DEEP * self.gaps.thinnest();
             spread.max(load / (depth * rod.contact_unit()))
         });
-        soft.fold(0.0, f64::max).min(STIFF)
+        soft.fold(0.0, f64::max).min(STIFFEST)
     }
 
     /// Lets the forces of the springs be those that they start from.
@@ -127,7 +140,7 @@ impl<'a, G: GapFunctions> Search<'a, G> {
     fn rounding(&self) -> f64 {
         let far = self.now.stations.iter().flatten().map(|at| at.coords.amax()).fold(0.0, f64::max);
         let units = self.of.rods.iter().map(crate::assembly::AssemblyRod::contact_unit);
-        ROUNDINGS * f64::EPSILON * far * STIFF * units.fold(0.0, f64::max)
+        ROUNDINGS * f64::EPSILON * far * STIFFEST * units.fold(0.0, f64::max)
     }
 
     /// From a minimum with springs to the equilibrium.
@@ -135,15 +148,15 @@ impl<'a, G: GapFunctions> Search<'a, G> {
     /// The forces of the springs become those that they start from, again and again, until they
     /// hardly change; then Newton's method takes over. Where that does not converge, which contacts
     /// push was not yet settled.
-    fn finish(mut self, first: Stage) -> Result<AssemblyRest, StaticError> {
+    fn finish(mut self, first: SearchStage) -> Result<AssemblyRest, StaticError> {
         let mut stage = first;
         let mut settled = SETTLED.into_iter();
         let mut wanted = settled.next();
         for _ in 0..MOST_UPDATES {
             match stage {
-                Stage::Rests => {}
-                Stage::Loose(rod) => return Err(StaticError::Adrift { rod }),
-                Stage::Stuck(step) => return Err(self.not_converged(step)),
+                SearchStage::Rests => {}
+                SearchStage::Loose(rod) => return Err(StaticError::Adrift { rod }),
+                SearchStage::Stuck(step) => return Err(self.not_converged(step)),
             }
             let before = self.springs.clone();
             self.take_forces();
@@ -208,7 +221,7 @@ impl<'a, G: GapFunctions> Search<'a, G> {
     }
 
     /// Minimises the merit until a step is smaller than `enough`.
-    fn descend(&mut self, enough: f64) -> Result<Stage, StaticError> {
+    fn descend(&mut self, enough: f64) -> Result<SearchStage, StaticError> {
         self.renew();
         let mut size = f64::INFINITY;
         for _ in 0..MOST_STEPS {
@@ -233,13 +246,13 @@ impl<'a, G: GapFunctions> Search<'a, G> {
                 let (frames, roots) = self.now.moved(&step.rods, whole);
                 self.now = self.trial(frames, &roots);
                 let loose = step.loose.filter(|_| step.shift > 0.0);
-                return Ok(loose.map_or(Stage::Rests, Stage::Loose));
+                return Ok(loose.map_or(SearchStage::Rests, SearchStage::Loose));
             }
             if !self.search_line(&step.rods, step.slope, whole, size) {
                 break;
             }
         }
-        Ok(Stage::Stuck(size))
+        Ok(SearchStage::Stuck(size))
     }
 
     /// The Newton step of the merit, or, where its second variation is not positive but is with the
@@ -258,7 +271,7 @@ impl<'a, G: GapFunctions> Search<'a, G> {
     }
 
     /// Takes the longest part of a step that passes through nothing and lowers the merit enough.
-    fn search_line(&mut self, step: &[Variation], slope: f64, whole: f64, size: f64) -> bool {
+    fn search_line(&mut self, step: &[RodVariation], slope: f64, whole: f64, size: f64) -> bool {
         let before = self.now.merit + MERIT_ROUNDING * self.now.merit.abs();
         let mut part = whole;
         while part >= SHORTEST_PART {
@@ -266,7 +279,7 @@ impl<'a, G: GapFunctions> Search<'a, G> {
             let next = self.trial(frames, &roots);
             let low = before + SUFFICIENT * part * slope.min(0.0);
             if !self.gaps.is_crossed(&self.now.stations, &next.stations)
-                && (size < CLOSE || next.merit <= low)
+                && (size < CLOSE_STEP || next.merit <= low)
             {
                 self.now = next;
                 return true;
@@ -277,7 +290,7 @@ impl<'a, G: GapFunctions> Search<'a, G> {
     }
 
     /// Goes to the lowest of several shapes along a variation; false if none is lower.
-    fn fall(&mut self, falling: &[Variation]) -> bool {
+    fn fall(&mut self, falling: &[RodVariation]) -> bool {
         let largest = self.size(falling);
         let mut lowest: Option<AssemblyTrial> = None;
         for size in TRIED_FALLS.into_iter().flat_map(|size| [size, -size]) {
@@ -298,7 +311,7 @@ impl<'a, G: GapFunctions> Search<'a, G> {
     }
 
     /// The largest rotation of a node, rad, or displacement of a root, in lengths of its rod.
-    fn size(&self, step: &[Variation]) -> f64 {
+    fn size(&self, step: &[RodVariation]) -> f64 {
         let sizes = self.of.rods.iter().zip(step).flat_map(|(rod, step)| {
             let turns = step.turns.iter().map(Vector3::norm);
             turns.chain([step.ways.nodes[0].norm() / rod.length()])

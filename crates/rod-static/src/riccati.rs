@@ -97,7 +97,7 @@ pub(crate) struct RiccatiFactor {
 /// Rotations (rad, in the nodes' own axes) of the nodes of a rod, and displacements (m, world
 /// frame).
 #[derive(Debug, Clone)]
-pub(crate) struct Variation {
+pub(crate) struct RodVariation {
     pub(crate) turns: Vec<Vector3<f64>>,
     pub(crate) ways: OnRod<Vector3<f64>>,
 }
@@ -215,7 +215,7 @@ impl RiccatiFactor {
         &self,
         moments: &[Vector3<f64>],
         forces: &OnRod<Vector3<f64>>,
-    ) -> Variation {
+    ) -> RodVariation {
         let count = self.inverse.len();
         let mut parts = vec![Vector3::zeros(); count];
         let (mut moment, mut force) = (moments[count], forces.nodes[count]);
@@ -240,7 +240,7 @@ impl RiccatiFactor {
     }
 
     /// A variation along which the energy falls, where nodes behind the root have one.
-    pub(crate) fn falling(&self) -> Option<Variation> {
+    pub(crate) fn falling(&self) -> Option<RodVariation> {
         let (node, direction) = self.falling?;
         let mut parts = vec![Vector3::zeros(); self.inverse.len()];
         parts[node] = direction;
@@ -252,7 +252,7 @@ impl RiccatiFactor {
         parts: &[Vector3<f64>],
         root: (Vector3<f64>, Vector3<f64>),
         from: usize,
-    ) -> Variation {
+    ) -> RodVariation {
         let mut turns = vec![root.0; parts.len() + 1];
         let mut ways = OnRod::filled(&root.1, parts.len());
         for i in from..parts.len() {
@@ -265,6 +265,6 @@ impl RiccatiFactor {
             ways.nodes[i + 1] = end;
             ways.middles[i] = middle;
         }
-        Variation { turns, ways }
+        RodVariation { turns, ways }
     }
 }

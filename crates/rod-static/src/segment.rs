@@ -128,8 +128,8 @@ impl ChainSegment {
         self.blocks_pushed(phi, nu, None)
     }
 
-    /// As [`ChainSegment::blocks`], also less `push . half chord`, with a force on the middle of the
-    /// segment, in the frame before.
+    /// As [`ChainSegment::blocks`], also less `push . half chord`, with a force on the middle of
+    /// the segment, in the frame before.
     pub(crate) fn blocks_pushed(
         &self,
         phi: &Vector3<f64>,

@@ -3,8 +3,8 @@
 use approx::assert_relative_eq;
 use nalgebra::{DMatrix, Isometry3, Matrix3, Point3, Unit, UnitQuaternion, Vector3};
 use rapunzel_rod_static::{
-    Assembly, AssemblyRest, AssemblyRod, Chain, EndCondition, EndHold, Gap, GapFunctions, GapTerm,
-    Piece, Problem, Properties, RootSupport, StaticError,
+    AssemblyRest, AssemblyRod, Chain, EndCondition, EndHold, Gap, GapFunctions, GapTerm, Piece,
+    Problem, Properties, RodAssembly, RootSupport, StaticError,
 };
 use std::f64::consts::FRAC_PI_2;
 
@@ -56,7 +56,7 @@ fn rest(
 ) -> Result<AssemblyRest, StaticError> {
     let chain = Chain::new(&level(height), &[piece], segments)?;
     let start = chain.natural_shape();
-    Assembly::new(vec![AssemblyRod { chain, root, start }])?.relax(&Floor)
+    RodAssembly::new(vec![AssemblyRod { chain, root, start }])?.relax(&Floor)
 }
 
 fn certified(rest: &AssemblyRest, length: f64) {
@@ -157,9 +157,8 @@ impl GapFunctions for Cylinder {
             for (station, at) in nodes.iter().enumerate().skip(1) {
                 let (distance, y) = (at.x.hypot(at.z), Vector3::y());
                 let derivative = Vector3::new(at.x, 0.0, at.z) / distance;
-                let bent = Matrix3::identity()
-                    - derivative * derivative.transpose()
-                    - y * y.transpose();
+                let bent =
+                    Matrix3::identity() - derivative * derivative.transpose() - y * y.transpose();
                 let curvature = DMatrix::from_column_slice(3, 3, (bent / distance).as_slice());
                 let terms = vec![GapTerm { rod, station, derivative }];
                 let (between, value) = ([rod, station, 0, 0], distance - self.0);
@@ -186,7 +185,7 @@ fn a_rod_is_drawn_around_a_cylinder() {
     let chain = Chain::new(&level(radius), &[piece(length, 0.0, force)], 200).expect("a rod");
     let (root, start) = (RootSupport::Clamped, chain.natural_shape());
     let rods = vec![AssemblyRod { chain, root, start }];
-    let rest = Assembly::new(rods).expect("rods").relax(&Cylinder(radius)).expect("rest");
+    let rest = RodAssembly::new(rods).expect("rods").relax(&Cylinder(radius)).expect("rest");
     certified(&rest, length);
     let pressure = (force - 0.5 * STIFFNESS / (radius * radius)) / radius;
     let middle: Vec<_> =

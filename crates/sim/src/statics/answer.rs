@@ -204,7 +204,7 @@ impl Station {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CaseContact {
     /// Every contact that pushes.
-    pub touches: Vec<Touch>,
+    pub touches: Vec<CaseTouch>,
     /// How deep something is in something else, m, at most: no gap is less than minus this.
     pub penetration: f64,
     /// The largest product of a force and its gap, N m.
@@ -217,7 +217,7 @@ pub struct CaseContact {
 
 /// A contact.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Touch {
+pub struct CaseTouch {
     /// Index of the rod: 0 for that of the case, and on from 1 in the order of its `rods`.
     pub rod: usize,
     /// Arc length along it from its root, m.

@@ -22,13 +22,13 @@ pub(super) fn sweep(
     asked: &CaseSweep,
 ) -> Result<(CaseBranch, Vec<CaseEquilibrium>), SimError> {
     let CaseSweep { of, from, to, steps, shapes, switch } = *asked;
-    let until = switch.map_or(Until::End, Until::Other);
+    let until = switch.map_or(SweepGoal::End, SweepGoal::Other);
     follow(case, of, [from, to], steps, until).map(|branch| told(case, of, &branch, shapes))
 }
 
 /// What a branch is followed for.
 #[derive(Clone, Copy)]
-enum Until {
+enum SweepGoal {
     /// The end of the range.
     End,
     /// Where it loses its stability.
@@ -46,7 +46,7 @@ pub(super) fn critical(
     of: Parameter,
     [from, to]: [f64; 2],
 ) -> Result<(CaseBranch, Vec<CaseEquilibrium>), SimError> {
-    let branch = follow(case, of, [from, to], CRITICAL_STEPS, Until::Unstable)?;
+    let branch = follow(case, of, [from, to], CRITICAL_STEPS, SweepGoal::Unstable)?;
     if branch.ended != BranchEnd::Lost || branch.limits.is_empty() {
         let last = branch.points.last().map_or(from, |point| point.parameter);
         let stuck = branch.ended != BranchEnd::Reached;
@@ -62,7 +62,7 @@ fn follow(
     of: Parameter,
     [from, to]: [f64; 2],
     steps: usize,
-    until: Until,
+    until: SweepGoal,
 ) -> Result<rods::Branch, SimError> {
     let first = problem_at(case, of, from)?;
     let problem = |value: f64| match problem_at(case, of, value) {
@@ -73,9 +73,9 @@ fn follow(
     let sweep = ParameterSweep { problem: &problem, from, to, steps };
     let start = start(&at(case, of, from), &first)?;
     Ok(match until {
-        Until::End => sweep.follow(&start)?,
-        Until::Unstable => sweep.until_unstable(&start)?,
-        Until::Other(switch) => sweep.follow_other(&start, switch.at, switch.other_side)?,
+        SweepGoal::End => sweep.follow(&start)?,
+        SweepGoal::Unstable => sweep.until_unstable(&start)?,
+        SweepGoal::Other(switch) => sweep.follow_other(&start, switch.at, switch.other_side)?,
     })
 }
 

@@ -1,6 +1,6 @@
 //! Rods at rest that touch each other and objects.
 
-use super::answer::{CaseAnswer, CaseContact, CaseEquilibrium, Stability, Touch, TouchedBy};
+use super::answer::{CaseAnswer, CaseContact, CaseEquilibrium, CaseTouch, Stability, TouchedBy};
 use super::contact_gaps::CaseGaps;
 use super::equilibria::equilibrium;
 use super::problem::{piece, pose};
@@ -12,7 +12,7 @@ use crate::file::read_text;
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use rapunzel_fiber::so3;
 use rapunzel_rod_static::{
-    Assembly, AssemblyRest, AssemblyRod, Chain, Gap, RootSupport, Shape, StaticError, Target,
+    AssemblyRest, AssemblyRod, Chain, Gap, RodAssembly, RootSupport, Shape, StaticError, Target,
 };
 use rapunzel_scene::case::{Case, CaseEnd, CaseRoot, CaseStart};
 use std::path::Path;
@@ -42,7 +42,7 @@ pub(super) fn rest_in_contact(case: &Case) -> Result<CaseAnswer, SimError> {
         let rods = gaps.rod_count();
         return Err(CaseError::Overlap { rod, other, rods, at: at.coords.into() }.into());
     }
-    let rest = Assembly::new(rods)?.relax(&gaps).map_err(|error| match error {
+    let rest = RodAssembly::new(rods)?.relax(&gaps).map_err(|error| match error {
         StaticError::Adrift { rod } => SimError::from(CaseError::Adrift(rod)),
         error => error.into(),
     })?;
@@ -189,7 +189,7 @@ fn one(case: &Case, rod: usize, rest: &AssemblyRest, finer: usize) -> CaseEquili
 }
 
 /// A contact, as it is told.
-fn touch(gaps: &CaseGaps, rest: &AssemblyRest, gap: &Gap, force: f64) -> Touch {
+fn touch(gaps: &CaseGaps, rest: &AssemblyRest, gap: &Gap, force: f64) -> CaseTouch {
     let [rod, _, other, _] = gap.between;
     let (normal, [own, others]) = gaps.sides(gap);
     let axis = own.iter().map(|(station, part)| rest.stations[rod][*station].coords * *part);
@@ -202,5 +202,5 @@ fn touch(gaps: &CaseGaps, rest: &AssemblyRest, gap: &Gap, force: f64) -> Touch {
     let radius = gaps.radius(rod, &own);
     let position = axis.sum::<Vector3<f64>>() - normal * (radius + 0.5 * gap.value);
     let (position, normal) = (position.into(), normal.into());
-    Touch { rod, at, by, position, normal, gap: gap.value, force }
+    CaseTouch { rod, at, by, position, normal, gap: gap.value, force }
 }

@@ -112,10 +112,12 @@ pub(super) fn sizes(alone: &[Case]) -> Sizes {
     }
 }
 
-/// The surfaces of the objects of a case, for its picture.
+/// The surfaces of the objects of a case, for its picture; without the ground, which would be most
+/// of it.
 pub(super) fn surfaces(case: &Case) -> Result<Vec<Placed>, SimError> {
     let sizes = sizes(&case.alone());
-    let placed = case.objects.iter().enumerate().map(|(i, object)| {
+    let shown = case.objects.iter().enumerate().filter(|(_, one)| !one.shape.is_endless());
+    let placed = shown.map(|(i, object)| {
         let built = build_object(object, i, &sizes)?;
         let (pose, Soup { vertices, triangles }) = (built.pose(0.0), built.surface());
         let vertices = vertices.iter().map(|at| pose * at).collect();

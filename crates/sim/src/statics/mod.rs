@@ -15,8 +15,8 @@ mod write;
 
 pub use crate::case_error::CaseError;
 pub use answer::{
-    BranchRow, CaseAnswer, CaseBranch, CaseContact, CaseEquilibrium, CaseLimit, Ended, Length,
-    ModeStation, Peak, Stability, Station, Touch, TouchedBy,
+    BranchRow, CaseAnswer, CaseBranch, CaseContact, CaseEquilibrium, CaseLimit, CaseTouch, Ended,
+    Length, ModeStation, Peak, Stability, Station, TouchedBy,
 };
 pub use rapunzel_scene::case::{
     BranchSwitch, Case, CaseEnd, CaseRod, CaseRoot, CaseStart, CaseSweep, Critical, Force,

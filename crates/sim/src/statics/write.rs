@@ -72,7 +72,8 @@ impl CaseAnswer {
         save(&folder.join(RODS), |to| vtp::write(to, &frame))?;
         let supports = self.equilibria.iter().enumerate();
         let supports = supports.flat_map(|(i, found)| found.supports(i, rod(i))).collect();
-        let objects = if case.objects.is_empty() { Vec::new() } else { vec![surfaces(case)?] };
+        let shown = surfaces(case)?;
+        let objects = if shown.is_empty() { Vec::new() } else { vec![shown] };
         save(&folder.join(PREVIEW), |to| {
             sheet::write(to, &[PreviewFrame::new(frame, supports)?], &objects, &[])
         })?;
