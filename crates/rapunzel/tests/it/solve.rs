@@ -72,35 +72,6 @@ fn a_hose_is_as_long_as_it_must_be() {
     assert!((carried + 0.45 * 9.81 * length).abs() < 1e-9, "{carried}");
 }
 
-/// What lies on what: a cable over a bar, a wire and the floor. All that pushes and holds carries
-/// the weight, and the table has every contact.
-#[test]
-fn a_cable_lies_on_a_bar_a_wire_and_the_floor() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let answer = answer(&shipped("laid-on-a-bar.ron"), folder.path());
-    let contact = &answer["contact"];
-    let table = fs::read_to_string(folder.path().join("out/contacts.csv")).expect("a table");
-    let touches = list(&contact["touches"]);
-    assert_eq!(table.lines().count(), 1 + touches.len());
-    for by in [(0, "Object", 0), (0, "Object", 1)] {
-        let is = |touch: &&Value| touch["rod"] == by.0 && touch["by"][by.1] == by.2;
-        assert!(touches.iter().any(|touch| is(&touch)), "{by:?}");
-    }
-    assert!(touches.iter().any(|touch| touch["by"]["Rod"][0] == 1));
-    assert!(touches.iter().all(|touch| number(&touch["force"]) >= 0.0));
-    let lifted = |touch: &Value| {
-        let up = number(&touch["force"]) * vector(&touch["normal"])[2];
-        // Forces between rods carry nothing together.
-        if touch["by"]["Rod"].is_null() { up } else { 0.0 }
-    };
-    let rods = list(&answer["equilibria"]);
-    let clamps: f64 = rods.iter().map(|rod| number(&rod["clamp_force"][2])).sum();
-    let carried = touches.iter().map(lifted).sum::<f64>() - clamps;
-    let weight = 9.81 * (1.4 * 0.06 + 0.5 * 0.02);
-    assert!((carried / weight - 1.0).abs() < 1e-9, "{carried} {weight}");
-    assert!(number(&contact["penetration"]) < 1e-9);
-}
-
 #[test]
 fn the_root_of_a_tress_carries_hair_and_bead() {
     let answer = solved("tress-root.ron");
