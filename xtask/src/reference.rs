@@ -8,7 +8,7 @@ use syn::{Attribute, Fields, Item, Meta};
 use xshell::Shell;
 
 /// Where the types are, in the order of the reference.
-const SOURCES: [&str; 24] = [
+const SOURCES: [&str; 25] = [
     "lib",
     "environment",
     "fibers",
@@ -32,6 +32,7 @@ const SOURCES: [&str; 24] = [
     "output",
     "case",
     "case_end",
+    "case_contact",
     "asked",
 ];
 /// Where the reference is.

@@ -2,13 +2,13 @@ use crate::arguments::SolveOptions;
 use crate::failure::{Failure, UNRESOLVED};
 use crate::words::{complain, say};
 use rapunzel_sim::statics::{
-    Case, CaseAnswer, CaseBranch, CaseEquilibrium, Ended, Stability, Wished,
+    Case, CaseAnswer, CaseBranch, CaseContact, CaseEquilibrium, Ended, Stability, TouchedBy, Wished,
 };
 use rapunzel_sim::{read_text, statics};
 use std::path::Path;
 use std::process::ExitCode;
 
-/// Solves a case for a rod at rest, into a folder.
+/// Solves a case for rods at rest, into a folder.
 pub(crate) fn solve(options: &SolveOptions, json: bool) -> Result<ExitCode, Failure> {
     let path = &options.case;
     let text = read_text(path).map_err(Failure::of(path))?;
@@ -51,11 +51,45 @@ fn report(case: &Case, answer: &CaseAnswer) -> String {
     lines.extend(answer.branch.iter().flat_map(along));
     for (i, found) in answer.equilibria.iter().enumerate() {
         if answer.equilibria.len() > 1 {
-            lines.push(format!("equilibrium {i}"));
+            let what = if answer.contact.is_some() { "rod" } else { "equilibrium" };
+            lines.push(format!("{what} {i}"));
         }
         lines.extend(one(found));
     }
+    lines.extend(answer.contact.iter().flat_map(touching));
     lines.join("\n")
+}
+
+/// What is told of contacts.
+fn touching(contact: &CaseContact) -> Vec<String> {
+    let mut lines = vec![format!("  contacts    {}", contact.touches.len())];
+    // By what pushes what, in the order in which that is met.
+    let mut pairs: Vec<(String, usize, [f64; 3], f64)> = Vec::new();
+    for touch in &contact.touches {
+        let by = match touch.by {
+            TouchedBy::Object(object) => format!("object {object} on rod {}", touch.rod),
+            TouchedBy::Rod(rod, _) => format!("rod {rod} on rod {}", touch.rod),
+        };
+        let at = pairs.iter().position(|pair| pair.0 == by).unwrap_or_else(|| {
+            pairs.push((by, 0, [0.0; 3], 0.0));
+            pairs.len() - 1
+        });
+        let (_, count, sum, largest) = &mut pairs[at];
+        *count += 1;
+        *largest = largest.max(touch.force);
+        (0..3).for_each(|k| sum[k] += touch.force * touch.normal[k]);
+    }
+    for (by, count, sum, largest) in pairs {
+        let [x, y, z] = sum;
+        lines.push(format!(
+            "    {by}: {count}, together ({x:.6e}, {y:.6e}, {z:.6e}) N, the largest {largest:.6e} N"
+        ));
+    }
+    lines.push(format!(
+        "  holds to    {:.1e} m of a gap, {:.1e} N m of force times gap, {:.1e} N m of a moment",
+        contact.penetration, contact.slackness, contact.unbalanced
+    ));
+    lines
 }
 
 /// What is told of a branch.
@@ -72,6 +106,9 @@ fn along(branch: &CaseBranch) -> Vec<String> {
     let count = branch.points.len();
     let mut lines =
         vec![format!("  branch      {count} equilibria from {first} to {last:.9}{unit}, {ended}")];
+    if let Some(first) = branch.switched {
+        lines.push(format!("  switched    to the other branch before its equilibrium {first}"));
+    }
     for limit in &branch.limits {
         let kind = if limit.is_fold { "fold       " } else { "bifurcation" };
         let [before, behind] = limit.ways_down;

@@ -75,6 +75,7 @@ templates![
     "static/snapping-arch",
     "static/twisted-ring",
     "static/joined-rods",
+    "static/laid-on-a-bar",
     "style/bob",
     "style/long",
     "style/afro",

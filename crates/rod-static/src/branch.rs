@@ -1,19 +1,20 @@
 //! Branches of equilibria: how an equilibrium changes with a parameter, past folds.
 
 use crate::StaticError;
+use crate::branch_direction::{Direction, direction};
 use crate::equilibrium::Equilibrium;
 use crate::error::finite;
 use crate::mesh::MeshElement;
-use crate::mode::LimitPoint;
+use crate::mode::{LimitKind, LimitPoint};
 use crate::problem::Problem;
-use crate::shooting::{Effort, ParameterSlopes, Shooting, Variation, corrected, iterate, newton};
+use crate::shooting::{Effort, ParameterSlopes, Shooting, corrected, iterate, newton};
 use crate::step::ShootingNode;
 use nalgebra::SVector;
 
 /// Change of the parameter for differences, in parts of the range.
 const DIFFERENCE: f64 = 1e-5;
 /// Shortest step along a branch, in parts of the longest.
-const SHORTEST_BRANCH_STEP: f64 = 1e-5;
+pub(crate) const SHORTEST_BRANCH_STEP: f64 = 1e-5;
 /// Growth of the step after a success.
 const LONGER: f64 = 1.5;
 /// Least cosine between two steps that follow each other.
@@ -44,6 +45,9 @@ pub struct Branch {
     pub limits: Vec<LimitPoint>,
     /// Why the branch ends.
     pub ended: BranchEnd,
+    /// Index of the first point of another branch, where one was left for that at the limit before
+    /// it.
+    pub switched: Option<usize>,
 }
 
 /// An equilibrium and the value of the parameter.
@@ -66,8 +70,21 @@ pub enum BranchEnd {
     Lost,
     /// It was followed for many times the steps that were asked for.
     Long,
+    /// It has met the bifurcation at which it was to be left.
+    Met,
     /// Newton's method did not converge however short the step.
     Stuck,
+}
+
+/// Up to where a branch is followed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum WalkGoal {
+    /// The end of the range.
+    End,
+    /// Where it loses its stability.
+    Unstable,
+    /// A bifurcation, by its index among those that are met.
+    Bifurcation(usize),
 }
 
 /// A point of a branch with its nodes, on a mesh of its own.
@@ -110,43 +127,21 @@ impl Followed {
     }
 }
 
-/// A direction in the space of equilibria and parameter.
-struct Direction {
-    nodes: Vec<Variation>,
-    parameter: f64,
-}
-
-impl Direction {
-    /// The direction as a functional: the sum of products of positions and rotations in the mean
-    /// over the nodes, and of the parameter in parts of its `range`.
-    fn functional(&self, range: f64) -> Self {
-        let share = 1.0 / self.nodes.len() as f64;
-        let part =
-            |v: &Variation| Variation::from_fn(|i, _| if i < 6 { v[i] * share } else { 0.0 });
-        let nodes = self.nodes.iter().map(part).collect();
-        Self { nodes, parameter: self.parameter / (range * range) }
-    }
-
-    fn product(&self, other: &Self) -> f64 {
-        let nodes = self.nodes.iter().zip(&other.nodes).map(|(a, b)| a.dot(b)).sum::<f64>();
-        nodes + self.parameter * other.parameter
-    }
-}
-
 impl ParameterSweep<'_> {
     /// The branch of equilibria from `start`, an equilibrium of the problem at the start of the
     /// range or near one, by continuation in the arc length of the branch (Riks 1972, Keller 1977):
     /// past folds, in steps that follow the curvature of the branch.
     ///
     /// Where the stability changes, the point is found to the rounding of the equations. At a
-    /// bifurcation the branch goes straight on. Cost: about five Newton steps for each point.
+    /// bifurcation the branch goes straight on; see [`ParameterSweep::follow_other`]. Cost: about
+    /// five Newton steps for each point.
     ///
     /// # Errors
     /// [`StaticError::NoSteps`], numbers that are not finite, an empty range, errors of the problem
     /// at the start, and [`StaticError::NotFound`] if Newton's method does not lead from `start` to
     /// an equilibrium.
     pub fn follow(&self, start: &Equilibrium) -> Result<Branch, StaticError> {
-        self.walk(start, false)
+        self.walk(start, WalkGoal::End)
     }
 
     /// The branch of [`ParameterSweep::follow`] up to where it loses its stability: its last limit,
@@ -155,10 +150,10 @@ impl ParameterSweep<'_> {
     /// # Errors
     /// As [`ParameterSweep::follow`], and [`StaticError::Unstable`] for a start that is not stable.
     pub fn until_unstable(&self, start: &Equilibrium) -> Result<Branch, StaticError> {
-        self.walk(start, true)
+        self.walk(start, WalkGoal::Unstable)
     }
 
-    fn walk(&self, start: &Equilibrium, until_unstable: bool) -> Result<Branch, StaticError> {
+    pub(crate) fn walk(&self, start: &Equilibrium, until: WalkGoal) -> Result<Branch, StaticError> {
         if self.steps == 0 {
             return Err(StaticError::NoSteps);
         }
@@ -173,16 +168,29 @@ impl ParameterSweep<'_> {
             Followed { parameter: self.from, problem, elements, nodes: start.nodes.clone() };
         let first = self.fixed(first, self.from).ok_or(StaticError::NotFound)?;
         let equilibrium = first.judged().ok_or(StaticError::NotFound)?;
-        if until_unstable && !equilibrium.is_stable() {
+        if until == WalkGoal::Unstable && !equilibrium.is_stable() {
             return Err(StaticError::Unstable { ways: equilibrium.conjugate_points() });
         }
         let point = BranchPoint { parameter: self.from, equilibrium };
-        let (mut points, mut limits) = (vec![point], Vec::new());
-        let (mut before, mut here): (Option<Followed>, _) = (None, first);
-        let longest = 1.0 / self.steps as f64;
+        let (points, limits) = (vec![point], Vec::new());
+        let branch = Branch { points, limits, ended: BranchEnd::Long, switched: None };
+        Ok(self.march(branch, None, first, until))
+    }
+
+    /// The branch with what follows on its last point `here`.
+    pub(crate) fn march(
+        &self,
+        branch: Branch,
+        mut before: Option<Followed>,
+        mut here: Followed,
+        until: WalkGoal,
+    ) -> Branch {
+        let Branch { mut points, mut limits, switched, .. } = branch;
+        let (most, longest) =
+            (points.len() + MOST_BRANCH_STEPS * self.steps, 1.0 / self.steps as f64);
         let mut step = longest;
         let mut ended = BranchEnd::Long;
-        while points.len() <= MOST_BRANCH_STEPS * self.steps {
+        while points.len() <= most {
             let next = self.next(before.as_ref(), &here, step);
             let judged = next.and_then(|(next, end)| Some((next.judged()?, next, end)));
             let Some((equilibrium, next, end)) = judged else {
@@ -197,9 +205,19 @@ impl ParameterSweep<'_> {
             let counts = counts.map(Equilibrium::conjugate_points);
             if counts[0] != counts[1] {
                 limits.extend(self.limits(&here, &next, counts));
+                let is_bifurcation =
+                    |one: &(usize, &LimitPoint)| one.1.kind == LimitKind::Bifurcation;
+                if let WalkGoal::Bifurcation(asked) = until
+                    && let Some((met, _)) =
+                        limits.iter().enumerate().filter(is_bifurcation).nth(asked)
+                {
+                    limits.truncate(met + 1);
+                    ended = BranchEnd::Met;
+                    break;
+                }
             }
             points.push(BranchPoint { parameter: next.parameter, equilibrium });
-            if until_unstable && counts[1] > 0 {
+            if until == WalkGoal::Unstable && counts[1] > 0 {
                 ended = BranchEnd::Lost;
                 break;
             }
@@ -210,7 +228,7 @@ impl ParameterSweep<'_> {
             before = Some(std::mem::replace(&mut here, next));
             step = (LONGER * step).min(longest);
         }
-        Ok(Branch { points, limits, ended })
+        Branch { points, limits, ended, switched }
     }
 
     pub(crate) fn range(&self) -> f64 {
@@ -303,7 +321,7 @@ impl ParameterSweep<'_> {
     }
 
     /// The equilibrium near `predicted`, from which it differs across a direction alone.
-    fn across(
+    pub(crate) fn across(
         &self,
         predicted: Followed,
         functional: &Direction,
@@ -362,10 +380,4 @@ impl ParameterSweep<'_> {
         let goal: SVector<f64, 6> = (high.goal.missed(last)?.0 - low.goal.missed(last)?.0) * per;
         Some(ParameterSlopes { root, ends, goal })
     }
-}
-
-/// The way from one point to another on the same mesh.
-fn direction(from: &[ShootingNode], a: f64, to: &[ShootingNode], b: f64) -> Direction {
-    let nodes = from.iter().zip(to).map(|(from, to)| to.minus(from)).collect();
-    Direction { nodes, parameter: b - a }
 }

@@ -135,6 +135,16 @@ impl Chain {
         self.clamp
     }
 
+    /// Moves the clamp.
+    ///
+    /// # Errors
+    /// Numbers that are not finite.
+    pub fn set_clamp(&mut self, clamp: &Isometry3<f64>) -> Result<(), StaticError> {
+        check_pose(clamp)?;
+        self.clamp = *clamp;
+        Ok(())
+    }
+
     /// The dead forces on the nodes, N, world frame.
     #[must_use]
     pub fn forces(&self) -> &[Vector3<f64>] {

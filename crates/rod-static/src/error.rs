@@ -41,6 +41,17 @@ pub enum StaticError {
         /// The value.
         value: f64,
     },
+    /// A branch does not meet so many bifurcations.
+    #[error(
+        "bifurcation {asked} is to be left for another branch, counted from 0, but {met} are met in \
+         the range; widen the range, or leave at an earlier one"
+    )]
+    NoBifurcation {
+        /// Index of the bifurcation that was asked for.
+        asked: usize,
+        /// Number of those that are met.
+        met: usize,
+    },
     /// The stability of what is not stable cannot be lost.
     #[error(
         "the equilibrium that is followed is unstable from the start, {ways} ways lead down: start \
@@ -117,6 +128,21 @@ pub enum StaticError {
         iterations: usize,
         /// Largest rotation of a node in the step that would follow, rad.
         step: f64,
+    },
+    /// Following loads and springs of targets in an assembly.
+    #[error(
+        "rods that touch something rest where their energy is least, but following loads have none, \
+         and targets must hold their nodes: leave them out"
+    )]
+    NoMinimum,
+    /// A rod that nothing holds.
+    #[error(
+        "nothing holds rod {rod}: it can move away, or be moved, without a force; hold its root or \
+         its end, or put something in its way (contacts have no friction)"
+    )]
+    Adrift {
+        /// Index of the rod.
+        rod: usize,
     },
     /// The derivatives of an equilibrium by its loads are not defined.
     #[error(

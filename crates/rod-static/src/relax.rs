@@ -137,19 +137,24 @@ impl Chain {
         let shape = &rest.shape;
         let carried = self.carried(&shape.frames, 1.0, &rest.pulls);
         let blocks = TrialShape::new(self, shape.frames.clone(), &carried).blocks(self, &carried);
-        let last = self.segments.len() - 1;
         let state = |i: usize| {
-            let force = match i {
-                _ if last == 0 => carried[0],
-                0 => 1.5 * carried[0] - 0.5 * carried[1],
-                i if i > last => 1.5 * carried[last] - 0.5 * carried[last - 1],
-                i => 0.5 * (carried[i - 1] + carried[i]),
-            };
             let moment = if i == 0 { -blocks[0].gradient[0] } else { blocks[i - 1].gradient[1] };
             let (frame, position) = (shape.frames[i], shape.positions[i]);
+            let force = Self::force_at(&carried, i);
             State { position, frame: frame.to_rotation_matrix(), force, moment: frame * moment }
         };
-        (0..=last + 1).map(state).collect()
+        (0..=self.segments.len()).map(state).collect()
+    }
+
+    /// The force at a node from those in the segments.
+    pub(crate) fn force_at(carried: &[Vector3<f64>], node: usize) -> Vector3<f64> {
+        let last = carried.len() - 1;
+        match node {
+            _ if last == 0 => carried[0],
+            0 => 1.5 * carried[0] - 0.5 * carried[1],
+            i if i > last => 1.5 * carried[last] - 0.5 * carried[last - 1],
+            i => 0.5 * (carried[i - 1] + carried[i]),
+        }
     }
 
     fn minimize(&self, frames: Vec<UnitQuaternion<f64>>) -> Result<Rest, StaticError> {

@@ -125,32 +125,70 @@ impl ChainSegment {
 
     /// Gradient and Hessian of the elastic energy less `nu . chord`.
     pub(crate) fn blocks(&self, phi: &Vector3<f64>, nu: &Vector3<f64>) -> Blocks {
+        self.blocks_pushed(phi, nu, None)
+    }
+
+    /// As [`ChainSegment::blocks`], also less `push . half chord`, with a force on the middle of
+    /// the segment, in the frame before.
+    pub(crate) fn blocks_pushed(
+        &self,
+        phi: &Vector3<f64>,
+        nu: &Vector3<f64>,
+        push: Option<&Vector3<f64>>,
+    ) -> Blocks {
         let g = Geometry::of(phi);
         let (l, force) = (self.length, nu * self.length);
         let (inverse, transposed) = (g.inverse, g.inverse.transpose());
+        let mut pulled = g.chord_by_phi.transpose() * force;
+        let mut turned = g.chord_by_phi.transpose() * hat(&force);
+        let mut bent = g.chord_hessian(phi, &force);
+        let mut moment = g.chord.cross(&force);
+        let mut swept = hat(&g.chord) * hat(&force);
+        let mut slack = force.norm() - force.dot(&g.chord);
+        if let Some(push) = push {
+            // The half chord is half of the chord over length at half of phi.
+            let half = 0.5 * phi;
+            let (h, force) = (Geometry::of(&half), push * l);
+            pulled += h.chord_by_phi.transpose() * force * 0.25;
+            turned += h.chord_by_phi.transpose() * hat(&force) * 0.25;
+            bent += h.chord_hessian(&half, &force) * 0.125;
+            moment += h.chord.cross(&force) * 0.5;
+            swept += hat(&h.chord) * hat(&force) * 0.5;
+            slack += 0.5 * (force.norm() - force.dot(&h.chord));
+        }
         // u: derivative of the energy by phi; by_phi: its second derivative by phi.
-        let elastic = self.stiffness.component_mul(&self.strain(phi));
-        let pulled = g.chord_by_phi.transpose();
-        let u = elastic - pulled * force;
-        let mut by_phi = -g.chord_hessian(phi, &force);
+        let u = self.stiffness.component_mul(&self.strain(phi)) - pulled;
+        let mut by_phi = -bent;
         for i in 0..3 {
             by_phi[(i, i)] += self.stiffness[i] / l;
         }
-        let turned = pulled * hat(&force);
         let lifted = g.lifted(phi, &u, 1.0) + transposed * by_phi;
         let lowered = g.lifted(phi, &u, -1.0) + inverse * by_phi;
         let behind = lifted * inverse;
         // The two halves of this sum are each other's transposes.
         let crossed = inverse * turned;
-        let before =
-            lowered * transposed + crossed + crossed.transpose() - hat(&g.chord) * hat(&force);
+        let before = lowered * transposed + crossed + crossed.transpose() - swept;
         Blocks {
-            gradient: [-(inverse * u) - g.chord.cross(&force), transposed * u],
+            gradient: [-(inverse * u) - moment, transposed * u],
             before: symmetric(&before),
             behind: symmetric(&behind),
             mixed: -(lifted * transposed) - transposed * turned,
-            shift: 0.5 * (force.norm() - force.dot(&g.chord) + u.norm() * phi.norm()),
+            shift: 0.5 * (slack + u.norm() * phi.norm()),
         }
+    }
+
+    /// Vector from the first node to the middle, m, in the frame before.
+    pub(crate) fn half_chord(&self, phi: &Vector3<f64>) -> Vector3<f64> {
+        Self { length: 0.5 * self.length, ..*self }.chord(&(0.5 * phi))
+    }
+
+    /// Derivatives of the half chord, in the frame before, by the variations of the frames before
+    /// and behind.
+    pub(crate) fn half_motion(&self, phi: &Vector3<f64>) -> [Matrix3<f64>; 2] {
+        let (g, h) = (Geometry::of(phi), Geometry::of(&(0.5 * phi)));
+        let by_phi = h.chord_by_phi * (0.25 * self.length);
+        let chord = h.chord * (0.5 * self.length);
+        [-(hat(&chord) + by_phi * g.inverse.transpose()), by_phi * g.inverse]
     }
 
     /// Derivatives of the chord, in the frame before, by the variations of the frames before and

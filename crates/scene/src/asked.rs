@@ -95,6 +95,21 @@ pub struct CaseSweep {
     /// are among them.
     #[serde(default = "ten")]
     pub shapes: usize,
+    /// A bifurcation at which the way goes over to the other branch; left out, it goes straight on.
+    #[serde(default)]
+    pub switch: Option<BranchSwitch>,
+}
+
+/// Where a way of equilibria goes over to the other branch that crosses it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BranchSwitch {
+    /// The bifurcation, counted from 0 among those on the way.
+    pub at: usize,
+    /// Whether it goes to the other side: a branch leaves a bifurcation to two sides, to mirrored
+    /// shapes or to other ones.
+    #[serde(default)]
+    pub other_side: bool,
 }
 
 fn ten() -> usize {

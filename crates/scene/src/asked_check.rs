@@ -58,7 +58,7 @@ impl Case {
             ("sweep", self.sweep.is_some()),
             ("critical", self.critical.is_some()),
         ] {
-            if chain && is {
+            if chain && is && !self.is_in_contact() {
                 let follower = self.forces.iter().any(|f| f.frame == LoadFrame::Follower);
                 let message = if follower {
                     "does not go together with a force that follows the rod: that is not \
@@ -69,7 +69,8 @@ impl Case {
                 check.refuse(field, message.into());
             }
         }
-        if self.root == CaseRoot::Joint && matches!(self.end, CaseEnd::Free { .. }) {
+        let loose = self.root == CaseRoot::Joint && !self.is_in_contact();
+        if loose && matches!(self.end, CaseEnd::Free { .. }) {
             let message = "is a joint and the far end is free, so the rod has no definite place: \
                            clamp it, or hold the far end";
             check.refuse("root", message.into());

@@ -1,16 +1,17 @@
-//! The case: one rod at rest, as data.
+//! The case: one rod at rest, and what it touches, as data.
 //!
 //! A case is a RON file like a scene: SI units, angles in degrees, the world frame; unknown fields
 //! and numbers out of their range are errors. Its rod is clamped at its root, loaded along its
 //! length, and its far end is free, in a joint, in a bearing, or clamped.
 
-pub use crate::asked::{CaseStart, CaseSweep, Critical, Parameter, Wish, Wished};
+pub use crate::asked::{BranchSwitch, CaseStart, CaseSweep, Critical, Parameter, Wish, Wished};
+pub use crate::case_contact::TouchingRod;
 pub use crate::case_end::{CaseEnd, CaseRoot, SlidingHold};
 
 use crate::taper::{Tapered, check_taper};
 use crate::{
-    Allowed, Check, FORMAT, LoadFrame, MaterialSpec, Pose, SceneError, SceneProblem, TaperPoint,
-    check_section, parse,
+    Allowed, Check, FORMAT, LoadFrame, MaterialSpec, Object, Pose, SceneError, SceneProblem,
+    TaperPoint, check_section, parse,
 };
 use rapunzel_fiber::Section;
 use serde::{Deserialize, Serialize};
@@ -61,6 +62,12 @@ pub struct Case {
     /// Points of the rod that are held at or pulled to given places.
     #[serde(default)]
     pub places: Vec<PlacedPoint>,
+    /// Fixed objects that the rod touches without friction.
+    #[serde(default)]
+    pub objects: Vec<Object>,
+    /// Other rods, which touch this one, each other and the objects without friction.
+    #[serde(default)]
+    pub rods: Vec<TouchingRod>,
     /// A length to be found, for questions such as "how long must it be".
     #[serde(default)]
     pub wish: Option<Wish>,
@@ -197,13 +204,16 @@ impl Case {
         !self.places.is_empty() || self.forces.iter().any(|f| f.frame == LoadFrame::Follower)
     }
 
-    /// The case with the path of the file it starts from made relative to `folder`, the folder of
-    /// the case.
+    /// The case with the paths of the files it names made relative to `folder`, the folder of the
+    /// case.
     #[must_use]
     pub fn seen_from(mut self, folder: &Path) -> Self {
-        if let Some(CaseStart::Curve(file) | CaseStart::Answer(file)) = &mut self.start {
+        let starts = self.rods.iter_mut().map(|rod| &mut rod.start);
+        for start in [&mut self.start].into_iter().chain(starts).flatten() {
+            let (CaseStart::Curve(file) | CaseStart::Answer(file)) = start;
             *file = folder.join(&*file);
         }
+        self.objects.iter_mut().for_each(|object| object.shape.seen_from(folder));
         self
     }
 
@@ -245,6 +255,7 @@ impl Case {
         });
         self.check_joined(check);
         self.check_asked(check);
+        self.check_contact(check);
         let longest = self.longest();
         if let Some(position) = self.end.position() {
             self.check_reach(check, "end", position, longest);
@@ -313,7 +324,7 @@ impl Case {
 
     /// Reports fields that exclude each other.
     fn check_together(&self, check: &mut Check) {
-        if !self.needs_chain() {
+        if !self.needs_chain() || self.is_in_contact() {
             return;
         }
         let with = "does not go together with following forces and places on the way";

@@ -12,6 +12,8 @@ pub enum CaseRoot {
     Clamped,
     /// A ball joint, which takes no moment; searches start from the pose of the clamp.
     Joint,
+    /// Nothing: the rod lies on what it touches; searches start from the pose of the clamp.
+    Free,
 }
 
 /// Boundary condition at the far end of a rod.

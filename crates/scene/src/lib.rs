@@ -4,6 +4,7 @@ mod arrangement;
 mod asked;
 mod asked_check;
 pub mod case;
+mod case_contact;
 mod case_end;
 mod charging;
 mod check;

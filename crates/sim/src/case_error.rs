@@ -26,6 +26,33 @@ pub enum CaseError {
         /// What is wrong with it.
         why: String,
     },
+    /// Rods that touch something start in each other or in an object.
+    #[error(
+        "the axis of {} starts {} at ({:?}, {:?}, {:?}) m; move one of them, or give a `start` that \
+         goes around",
+        rod_name(*rod), if other < rods {
+            format!("in {}", rod_name(*other))
+        } else {
+            format!("inside objects[{}]", other - rods)
+        }, at[0], at[1], at[2]
+    )]
+    Overlap {
+        /// Index of the rod: 0 for that of the case, and on in the order of `rods`.
+        rod: usize,
+        /// What it is in: a rod, or counted on, an object.
+        other: usize,
+        /// Number of the rods.
+        rods: usize,
+        /// The place, m.
+        at: [f64; 3],
+    },
+    /// A rod in contact that nothing holds.
+    #[error(
+        "nothing holds {}: it can move away, or be moved, without a force, as contacts have no \
+         friction; hold its root or its end, or put `objects` in its way",
+        rod_name(*.0)
+    )]
+    Adrift(usize),
     /// The equilibrium does not lose its stability in the range.
     #[error(
         "the equilibrium is stable up to {last} {unit}{}",
@@ -43,4 +70,9 @@ pub enum CaseError {
         /// Whether there is no equilibrium beyond that.
         stuck: bool,
     },
+}
+
+/// How a case names its rods.
+fn rod_name(rod: usize) -> String {
+    if rod == 0 { "the rod of the case".into() } else { format!("rods[{}]", rod - 1) }
 }

@@ -1,5 +1,6 @@
 //! Equilibria of a rod, against closed forms and references.
 
+mod assemblies;
 mod bifurcations;
 mod boundary;
 mod branches;
@@ -14,4 +15,5 @@ mod loads;
 mod minima;
 mod properties;
 mod several;
+mod switching;
 mod targets;

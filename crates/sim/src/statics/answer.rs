@@ -17,8 +17,11 @@ pub struct CaseAnswer {
     /// for.
     pub branch: Option<CaseBranch>,
     /// The equilibria in the order of their energies: one that is stable, or all that were found;
-    /// of a sweep those along its way that are shown, of a critical value the one at it.
+    /// of a sweep those along its way that are shown, of a critical value the one at it; of rods
+    /// in contact each rod in the order of the case, its own first.
     pub equilibria: Vec<CaseEquilibrium>,
+    /// What pushes where, if the rod touches something.
+    pub contact: Option<CaseContact>,
 }
 
 impl CaseAnswer {
@@ -113,6 +116,8 @@ pub struct CaseBranch {
     pub limits: Vec<CaseLimit>,
     /// Why the way ends.
     pub ended: Ended,
+    /// Index of the first point of the other branch, if the way goes over to one at a bifurcation.
+    pub switched: Option<usize>,
     /// Indices among the points of those that are given as shapes.
     pub shown: Vec<usize>,
 }
@@ -193,4 +198,47 @@ impl Station {
             moment: self.moment.into(),
         }
     }
+}
+
+/// The contacts of rods at rest, and how well what they obey holds.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CaseContact {
+    /// Every contact that pushes.
+    pub touches: Vec<CaseTouch>,
+    /// How deep something is in something else, m, at most: no gap is less than minus this.
+    pub penetration: f64,
+    /// The largest product of a force and its gap, N m.
+    pub slackness: f64,
+    /// The largest moment on a node of a rod that nothing balances, N m.
+    pub unbalanced: f64,
+    /// Number of steps of Newton's method.
+    pub iterations: usize,
+}
+
+/// A contact.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct CaseTouch {
+    /// Index of the rod: 0 for that of the case, and on from 1 in the order of its `rods`.
+    pub rod: usize,
+    /// Arc length along it from its root, m.
+    pub at: f64,
+    /// What pushes it.
+    pub by: TouchedBy,
+    /// Place between the two surfaces, m.
+    pub position: [f64; 3],
+    /// Direction in which the rod is pushed.
+    pub normal: [f64; 3],
+    /// Distance of the surfaces, m; below zero by rounding and by what the method leaves.
+    pub gap: f64,
+    /// Force, N; never below zero.
+    pub force: f64,
+}
+
+/// What pushes a rod.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub enum TouchedBy {
+    /// An object, by its index among `objects`.
+    Object(usize),
+    /// A rod, by its index, at this arc length, m.
+    Rod(usize, f64),
 }

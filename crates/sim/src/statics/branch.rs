@@ -10,7 +10,7 @@ use crate::SimError;
 use crate::case_error::CaseError;
 use nalgebra::Vector3;
 use rapunzel_rod_static as rods;
-use rapunzel_scene::case::{Case, Parameter};
+use rapunzel_scene::case::{BranchSwitch, Case, CaseSweep, Parameter};
 use rods::{BranchEnd, LimitKind, LimitPoint, ParameterSweep, StaticError};
 
 /// Steps in which a critical value is sought.
@@ -19,12 +19,22 @@ const CRITICAL_STEPS: usize = 20;
 /// The branch that the sweep of a case asks for, and the equilibria that are shown.
 pub(super) fn sweep(
     case: &Case,
-    of: Parameter,
-    [from, to]: [f64; 2],
-    steps: usize,
-    shapes: usize,
+    asked: &CaseSweep,
 ) -> Result<(CaseBranch, Vec<CaseEquilibrium>), SimError> {
-    follow(case, of, [from, to], steps, false).map(|branch| told(case, of, &branch, shapes))
+    let CaseSweep { of, from, to, steps, shapes, switch } = *asked;
+    let until = switch.map_or(SweepGoal::End, SweepGoal::Other);
+    follow(case, of, [from, to], steps, until).map(|branch| told(case, of, &branch, shapes))
+}
+
+/// What a branch is followed for.
+#[derive(Clone, Copy)]
+enum SweepGoal {
+    /// The end of the range.
+    End,
+    /// Where it loses its stability.
+    Unstable,
+    /// The end of the range on another branch.
+    Other(BranchSwitch),
 }
 
 /// The branch up to where it loses its stability.
@@ -36,7 +46,7 @@ pub(super) fn critical(
     of: Parameter,
     [from, to]: [f64; 2],
 ) -> Result<(CaseBranch, Vec<CaseEquilibrium>), SimError> {
-    let branch = follow(case, of, [from, to], CRITICAL_STEPS, true)?;
+    let branch = follow(case, of, [from, to], CRITICAL_STEPS, SweepGoal::Unstable)?;
     if branch.ended != BranchEnd::Lost || branch.limits.is_empty() {
         let last = branch.points.last().map_or(from, |point| point.parameter);
         let stuck = branch.ended != BranchEnd::Reached;
@@ -52,7 +62,7 @@ fn follow(
     of: Parameter,
     [from, to]: [f64; 2],
     steps: usize,
-    until_unstable: bool,
+    until: SweepGoal,
 ) -> Result<rods::Branch, SimError> {
     let first = problem_at(case, of, from)?;
     let problem = |value: f64| match problem_at(case, of, value) {
@@ -62,8 +72,11 @@ fn follow(
     };
     let sweep = ParameterSweep { problem: &problem, from, to, steps };
     let start = start(&at(case, of, from), &first)?;
-    let branch = if until_unstable { sweep.until_unstable(&start) } else { sweep.follow(&start) };
-    Ok(branch?)
+    Ok(match until {
+        SweepGoal::End => sweep.follow(&start)?,
+        SweepGoal::Unstable => sweep.until_unstable(&start)?,
+        SweepGoal::Other(switch) => sweep.follow_other(&start, switch.at, switch.other_side)?,
+    })
 }
 
 /// The case in what its answer depends on beside the equilibrium.
@@ -118,11 +131,13 @@ fn told(
         BranchEnd::Reached => Ended::Reached,
         BranchEnd::Returned => Ended::Returned,
         BranchEnd::Lost => Ended::Lost,
-        BranchEnd::Long => Ended::Long,
+        // Only on the way to another branch.
+        BranchEnd::Long | BranchEnd::Met => Ended::Long,
         BranchEnd::Stuck => Ended::Stuck,
     };
     let (points, limits) = (points.collect(), limits.collect());
-    (CaseBranch { unit: of.unit(), points, limits, ended, shown }, shapes)
+    let switched = branch.switched;
+    (CaseBranch { unit: of.unit(), points, limits, ended, switched, shown }, shapes)
 }
 
 /// The mode at the stations of its equilibrium.

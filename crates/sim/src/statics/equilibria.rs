@@ -104,7 +104,7 @@ fn chain(case: &Case) -> Result<CaseEquilibrium, SimError> {
     Ok(equilibrium(case, &at.collect::<Vec<_>>(), stability, elastic, loads, pulls))
 }
 
-fn equilibrium(
+pub(super) fn equilibrium(
     case: &Case,
     states: &[(f64, State)],
     stability: Stability,

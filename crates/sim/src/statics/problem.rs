@@ -86,7 +86,8 @@ pub(super) fn problem_at(case: &Case, of: Parameter, value: f64) -> Result<Probl
 fn rooted(case: &Case, end: EndCondition) -> Result<Problem, SimError> {
     let problem = Problem::new(&pose(&case.clamp)?, pieces(case), end)?;
     Ok(match case.root {
-        CaseRoot::Clamped => problem,
+        // A free root is refused when the case is checked.
+        CaseRoot::Clamped | CaseRoot::Free => problem,
         CaseRoot::Joint => problem.hinged()?,
     })
 }

@@ -40,11 +40,11 @@ pub(super) fn start(case: &Case, problem: &Problem) -> Result<Equilibrium, SimEr
     }
 }
 
-fn refused(path: &Path, line: Option<usize>, why: String) -> SimError {
+pub(super) fn refused(path: &Path, line: Option<usize>, why: String) -> SimError {
     CaseError::Start { path: path.to_owned(), line, why }.into()
 }
 
-fn check_length(case: &Case, path: &Path, length: f64) -> Result<(), SimError> {
+pub(super) fn check_length(case: &Case, path: &Path, length: f64) -> Result<(), SimError> {
     if (length - case.length).abs() <= LENGTH_OFF * case.length {
         return Ok(());
     }
@@ -56,7 +56,7 @@ fn check_length(case: &Case, path: &Path, length: f64) -> Result<(), SimError> {
 }
 
 /// The states in a table of an answer.
-fn table(path: &Path, text: &str) -> Result<Vec<(f64, State)>, SimError> {
+pub(super) fn table(path: &Path, text: &str) -> Result<Vec<(f64, State)>, SimError> {
     let mut states = Vec::new();
     for (line, row) in (1..).zip(text.lines()).skip(1) {
         let numbers: Result<Vec<f64>, _> = row.split(',').map(str::parse).collect();

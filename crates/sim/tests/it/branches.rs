@@ -53,6 +53,32 @@ fn eulers_four_columns() {
     }
 }
 
+/// Over to the bent branch of a column: the elastica of its last load, to either side.
+#[test]
+fn a_column_is_followed_bent() {
+    let end = |side: &str| {
+        let more = format!(
+            "end: Free(force: (0, 0, -1)),
+             sweep: (of: EndForce, from: 0, to: 5, steps: 10, switch: (at: 0, other_side: {side}))"
+        );
+        let found = answer("(1.0, 2.0)", &more);
+        let branch = found.branch.expect("a branch");
+        assert_eq!((branch.ended, branch.limits.len()), (Ended::Reached, 1));
+        let first = branch.switched.expect("another branch");
+        assert!(branch.points[first].parameter > FRAC_PI_2.powi(2));
+        assert!(branch.points.iter().all(|point| point.ways_down == 0));
+        let words = "other branch from the bifurcation at 2.467401";
+        assert!(branch.table().lines().nth(first + 1).is_some_and(|row| row.contains(words)));
+        branch.points[branch.points.len() - 1].end_position
+    };
+    let [one, other] = ["false", "true"].map(end);
+    // The quarter period of its modulus k is the root of the load, and it goes 2 k / root aside.
+    let modulus = 0.5 * one[1].abs() * 5.0_f64.sqrt();
+    let period = first_kind(FRAC_PI_2, modulus * modulus).expect("a modulus");
+    assert!((period - 5.0_f64.sqrt()).abs() < 1e-8, "{period}");
+    assert!((one[1] + other[1]).abs() < 1e-8 && one[0].abs() < 1e-8, "{one:?} {other:?}");
+}
+
 /// Greenhill 1881, by the weight and by the length.
 #[test]
 fn greenhills_column() {

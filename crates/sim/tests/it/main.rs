@@ -30,6 +30,7 @@ mod objects;
 mod probes;
 mod reference;
 mod rest;
+mod resting;
 mod rigid;
 mod rolling;
 mod runs;
