@@ -32,7 +32,7 @@ pub struct RodAssembly {
     pub(crate) rods: Vec<AssemblyRod>,
 }
 
-/// An equilibrium of an [`RodAssembly`].
+/// An equilibrium of a [`RodAssembly`].
 #[derive(Debug, Clone)]
 pub struct AssemblyRest {
     /// The shapes of the rods.
