@@ -222,29 +222,10 @@ impl Case {
             let message = format!("is {}, but this version reads format {FORMAT}", self.format);
             check.refuse("format", message);
         }
-        check.number("length", self.length, Allowed::Within(1e-6, 1e3), "m");
-        check.within("rod", |c| self.rod.check(c, self.length));
-        let measured = matches!(self.rod, CaseRod::Measured { .. });
-        check_taper(
-            check,
-            &self.taper,
-            &Tapered { length: self.length, measured, has_section: true },
-        );
-        check.vector("natural_curvature", &self.natural_curvature, "1/m");
-        self.check_curvature(check);
+        self.check_rod(check);
         check.vector("gravity", &self.gravity, "m/s^2");
-        check.within("clamp", |c| self.clamp.check(c));
-        check.within("end", |c| self.end.check(c));
         check.count("parts", self.parts, 2, 100_000);
         let along = Allowed::Within(0.0, self.length);
-        check.each("masses", &self.masses, |c, mass| {
-            c.number("at", mass.at, along, "m");
-            c.number("mass", mass.mass, Allowed::NonNegative, "kg");
-        });
-        check.each("forces", &self.forces, |c, force| {
-            c.number("at", force.at, along, "m");
-            c.vector("value", &force.value, "N");
-        });
         check.each("places", &self.places, |c, place| {
             c.number("at", place.at, along, "m");
             c.vector("position", &place.position, "m");
@@ -320,6 +301,31 @@ impl Case {
             );
             check.refuse(field, message);
         }
+    }
+
+    /// Reports what is wrong with the rod by itself, with its ends and its dead loads.
+    pub(crate) fn check_rod(&self, check: &mut Check) {
+        check.number("length", self.length, Allowed::Within(1e-6, 1e3), "m");
+        check.within("rod", |c| self.rod.check(c, self.length));
+        let measured = matches!(self.rod, CaseRod::Measured { .. });
+        check_taper(
+            check,
+            &self.taper,
+            &Tapered { length: self.length, measured, has_section: true },
+        );
+        check.vector("natural_curvature", &self.natural_curvature, "1/m");
+        self.check_curvature(check);
+        check.within("clamp", |c| self.clamp.check(c));
+        check.within("end", |c| self.end.check(c));
+        let along = Allowed::Within(0.0, self.length);
+        check.each("masses", &self.masses, |c, mass| {
+            c.number("at", mass.at, along, "m");
+            c.number("mass", mass.mass, Allowed::NonNegative, "kg");
+        });
+        check.each("forces", &self.forces, |c, force| {
+            c.number("at", force.at, along, "m");
+            c.vector("value", &force.value, "N");
+        });
     }
 
     /// Reports fields that exclude each other.

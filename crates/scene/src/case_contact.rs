@@ -1,8 +1,7 @@
 //! What the rod of a case touches.
 
 use super::case::{Case, CaseEnd, CaseRod, CaseRoot, CaseStart, Force, PointMass};
-use crate::taper::{Tapered, check_taper};
-use crate::{Allowed, Check, LoadFrame, Motion, Moves, Pose, TaperPoint};
+use crate::{Check, LoadFrame, Motion, Moves, Pose, TaperPoint};
 use serde::{Deserialize, Serialize};
 
 /// A rod that touches the rod of a case, other such rods, or objects.
@@ -50,49 +49,37 @@ impl Case {
     #[must_use]
     pub fn alone(&self) -> Vec<Self> {
         let own = Self { objects: Vec::new(), rods: Vec::new(), ..self.clone() };
-        let others = self.rods.iter().map(|rod| {
-            let TouchingRod { length, natural_curvature, clamp, root, end, .. } = *rod;
-            Self {
-                length,
-                rod: rod.rod,
-                taper: rod.taper.clone(),
-                natural_curvature,
-                joined: Vec::new(),
-                clamp,
-                root,
-                end,
-                masses: rod.masses.clone(),
-                forces: rod.forces.clone(),
-                places: Vec::new(),
-                start: rod.start.clone(),
-                ..own.clone()
-            }
-        });
-        let others: Vec<Self> = others.collect();
+        let others = self.rods.iter().map(|rod| self.other(rod));
         [own].into_iter().chain(others).collect()
+    }
+
+    /// Another rod as a case that touches nothing.
+    fn other(&self, rod: &TouchingRod) -> Self {
+        let TouchingRod { length, natural_curvature, clamp, root, end, .. } = *rod;
+        Self {
+            length,
+            rod: rod.rod,
+            taper: rod.taper.clone(),
+            natural_curvature,
+            joined: Vec::new(),
+            clamp,
+            root,
+            end,
+            masses: rod.masses.clone(),
+            forces: rod.forces.clone(),
+            places: Vec::new(),
+            objects: Vec::new(),
+            rods: Vec::new(),
+            start: rod.start.clone(),
+            ..self.clone()
+        }
     }
 
     /// Reports what makes no sense of contacts.
     pub(crate) fn check_contact(&self, check: &mut Check) {
         check.each("rods", &self.rods, |c, rod| {
-            c.number("length", rod.length, Allowed::Within(1e-6, 1e3), "m");
-            c.within("rod", |c| rod.rod.check(c, rod.length));
-            let measured = matches!(rod.rod, CaseRod::Measured { .. });
-            let tapered = Tapered { length: rod.length, measured, has_section: true };
-            check_taper(c, &rod.taper, &tapered);
-            c.vector("natural_curvature", &rod.natural_curvature, "1/m");
-            c.within("clamp", |c| rod.clamp.check(c));
-            c.within("end", |c| rod.end.check(c));
-            let along = Allowed::Within(0.0, rod.length);
-            c.each("masses", &rod.masses, |c, mass| {
-                c.number("at", mass.at, along, "m");
-                c.number("mass", mass.mass, Allowed::NonNegative, "kg");
-            });
-            c.each("forces", &rod.forces, |c, force| {
-                c.number("at", force.at, along, "m");
-                c.vector("value", &force.value, "N");
-                check_dead(c, force);
-            });
+            self.other(rod).check_rod(c);
+            c.each("forces", &rod.forces, check_dead);
             check_ends(c, rod.root, &rod.end);
         });
         check.each("objects", &self.objects, |c, object| {
