@@ -109,7 +109,9 @@ impl CollisionObject {
             let (before, after) = (&strand.start[node], &strand.end[node]);
             if rests { after - before } else { own(after, 1) - own(before, 0) }.norm_squared()
         };
-        let largest = |all: &[f64]| all.iter().copied().fold(0.0, f64::max);
+        // Without regard to what is no number, which `f64::max` takes time for.
+        let larger = |a: f64, b: f64| if b > a { b } else { a };
+        let largest = |all: &[f64]| all.iter().copied().fold(0.0, larger);
         let (mut nodes, mut ways, mut contacts) = (Vec::new(), Vec::new(), Vec::new());
         for first in (strand.first..strand.radii.len()).step_by(BLOCK) {
             let radii = &strand.radii[first..strand.radii.len().min(first + BLOCK)];
@@ -120,7 +122,7 @@ impl CollisionObject {
             let middle = &strand.end[first + radii.len() / 2];
             let around =
                 strand.end[block.clone()].iter().map(|node| (node - middle).norm_squared());
-            let around = around.fold(0.0, f64::max).sqrt();
+            let around = around.fold(0.0, larger).sqrt();
             let reach = slope * (around + largest(&ways).sqrt()) + largest(radii) + margin;
             if field.value(&own(middle, 1)) > reach {
                 continue;
@@ -133,16 +135,16 @@ impl CollisionObject {
             for (k, &radius) in radii.iter().enumerate() {
                 let s = first + k;
                 let ends = [&nodes[k], &nodes[k + 1]];
-                let after = ends.map(|node| node.place);
                 let (start, end) = (strand.end[s], strand.end[s + 1]);
                 let length = (end - start).norm();
-                let way = ends[0].squared_way.max(ends[1].squared_way).sqrt();
+                let way = larger(ends[0].squared_way, ends[1].squared_way).sqrt();
                 let nearest = 0.5 * (ends[0].value + ends[1].value - slope * length);
                 // No point of other segments is near enough, or was on the way.
                 let reach = slope * way + radius + margin;
                 if nearest > reach {
                     continue;
                 }
+                let after = ends.map(|node| node.place);
                 let nearest = nearest.max(field.least_between(&after[0], &after[1]));
                 if nearest > reach {
                     continue;

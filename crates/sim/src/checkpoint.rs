@@ -44,15 +44,18 @@ pub(crate) fn scene_hash(scene: &Scene) -> Result<[u8; 32], SimError> {
 
 impl<S: Serialize> Checkpoint<S> {
     /// Writes the checkpoint atomically, without waiting for the disk. It goes through the numbers
-    /// twice, so that no copy of them is needed for the hash.
+    /// once, and comes back to the head for their hash.
     pub(crate) fn write(&self, path: &Path) -> Result<(), SimError> {
-        let mut hasher = BufWriter::new(blake3::Hasher::new());
-        self.put(&mut hasher).map_err(SimError::io("write", path))?;
-        let hasher = hasher.into_inner().map_err(|e| unusable(path, &e))?;
         replace(path, |to| {
             to.write_all(MAGIC)?;
-            to.write_all(hasher.finalize().as_bytes())?;
-            self.put(to)
+            to.write_all(&[0; 32])?;
+            let mut hashing = BufWriter::new(Hashing { to, hasher: blake3::Hasher::new() });
+            self.put(&mut hashing)?;
+            hashing.flush()?;
+            let hash = hashing.get_ref().hasher.finalize();
+            drop(hashing);
+            to.seek(SeekFrom::Start(MAGIC.len() as u64))?;
+            to.write_all(hash.as_bytes())
         })
     }
 
@@ -60,6 +63,24 @@ impl<S: Serialize> Checkpoint<S> {
         let mut to = Telling { to, error: None };
         let written = postcard::to_io(&(VERSION, self), &mut to).map(|_| ());
         written.map_err(|error| to.error.unwrap_or_else(|| io::Error::other(error)))
+    }
+}
+
+/// A writer of what is hashed on its way; made for writes of many bytes.
+struct Hashing<'a, W> {
+    to: &'a mut W,
+    hasher: blake3::Hasher,
+}
+
+impl<W: Write> Write for Hashing<'_, W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = self.to.write(bytes)?;
+        self.hasher.update(&bytes[..written]);
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.to.flush()
     }
 }
 

@@ -13,6 +13,9 @@ use rayon::prelude::*;
 const WORN: f64 = 1.5;
 /// Part of the margin by which ends of motions may be apart to have the same pairs.
 const LIST_SLACK: f64 = 0.5;
+/// The same where all that is swept is searched: each end that is elsewhere costs a search, and what
+/// is listed in vain for it as well.
+const SWEPT_SLACK: f64 = 0.125;
 /// Pairs a segment above which a list is too long, and its margin is halved; where there are not
 /// even a quarter of them, it is doubled.
 const CROWD: usize = 8;
@@ -241,12 +244,13 @@ impl List {
             self.renew(start)?;
             complete = kept(self)?;
         }
-        let reaches = [self.reach, slack(self)];
         if complete {
             self.wide = 0;
+            let reaches = [self.reach, slack(self)];
             self.way.set_out([start, end], ways, &self.pairs, reaches);
         } else {
             self.wide += 1;
+            let reaches = [self.reach, SWEPT_SLACK * self.margin];
             self.way.set_out_among([start, end], ways, &mut self.tree, reaches)?;
         }
         Ok(())

@@ -6,6 +6,8 @@ use nalgebra::Vector3;
 use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
+/// Lines that one thread takes at a time.
+const LINE_CHUNK: usize = 1024;
 /// Pairs that are gathered at a time.
 const BATCH: usize = 64;
 /// Axes that enclose less than this angle are compared as parallels; its squared sine. Where it is
@@ -33,6 +35,11 @@ pub(super) struct MovingLine {
     own: f32,
 }
 
+impl MovingLine {
+    const NONE: Self =
+        Self { start: [0.0; 3], axis: [0.0; 3], inverse: 0.0, way: [0.0; 3], own: 0.0 };
+}
+
 /// Replaces `lines` by all segments on their ways from `start` to `end`, where to be within
 /// `reach`, m, of each other counts.
 pub(super) fn take_lines(
@@ -41,22 +48,44 @@ pub(super) fn take_lines(
     reach: f64,
     lines: &mut Vec<MovingLine>,
 ) {
-    let line = |segment| {
-        let nodes = start.layout().segment_nodes(segment);
-        let [p, q] = nodes.map(|node| start.positions()[node]);
-        let ways = nodes.map(|node| end.positions()[node] - start.positions()[node]);
-        let (axis, way) = (q - p, 0.5 * (ways[0] + ways[1]));
-        let own = 0.5 * (ways[0] - ways[1]).norm() + start.radii()[segment] + 0.5 * reach;
-        let roundings = LINE_ROUNDING * axis.norm() + 4.0 * NUMBER * (p.coords.amax() + way.amax());
-        MovingLine {
-            start: single(&p.coords),
-            axis: single(&axis),
-            inverse: above(1.0 / axis.norm_squared()),
-            way: single(&way),
-            own: above((own + roundings) * (1.0 + 4.0 * NUMBER)),
+    lines.resize(start.len(), MovingLine::NONE);
+    lines.par_chunks_mut(LINE_CHUNK).enumerate().for_each(|(chunk, lines)| {
+        Arch::new().dispatch(TakeLines { start, end, reach, first: chunk * LINE_CHUNK, lines });
+    });
+}
+
+/// Takes the lines of some segments in a row.
+struct TakeLines<'a> {
+    start: &'a Capsules<'a>,
+    end: &'a Capsules<'a>,
+    reach: f64,
+    first: usize,
+    lines: &'a mut [MovingLine],
+}
+
+impl NullaryFnOnce for TakeLines<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { start, end, reach, first, lines } = self;
+        for (segment, line) in (first..).zip(lines) {
+            let [i, j] = start.layout().segment_nodes(segment);
+            let (p, q) = (start.positions()[i], start.positions()[j]);
+            let (a, b) = (end.positions()[i] - p, end.positions()[j] - q);
+            let (axis, way) = (q - p, 0.5 * (a + b));
+            let own = 0.5 * (a - b).norm() + start.radii()[segment] + 0.5 * reach;
+            let largest = p.coords.norm() + way.norm();
+            let roundings = LINE_ROUNDING * axis.norm() + 4.0 * NUMBER * largest;
+            *line = MovingLine {
+                start: single(&p.coords),
+                axis: single(&axis),
+                inverse: above(1.0 / axis.norm_squared()),
+                way: single(&way),
+                own: above((own + roundings) * (1.0 + 4.0 * NUMBER)),
+            };
         }
-    };
-    (0..start.len()).into_par_iter().map(line).collect_into_vec(lines);
+    }
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "rounding is what it is for")]

@@ -195,8 +195,9 @@ impl<'a> SegmentWays<'a> {
     }
 
     fn find(&self, segment: usize) -> OneWay {
-        let nodes = self.start.layout().segment_nodes(segment);
-        let [a, b] = nodes.map(|node| self.end.positions()[node] - self.start.positions()[node]);
+        let [i, j] = self.start.layout().segment_nodes(segment);
+        let (start, end) = (self.start.positions(), self.end.positions());
+        let (a, b) = (end[i] - start[i], end[j] - start[j]);
         let own = 0.5 * (a - b).norm() + self.start.radii()[segment];
         OneWay { middle: 0.5 * (a + b), own }
     }
@@ -214,7 +215,7 @@ impl<'a> SegmentWays<'a> {
             let far = ((a.middle - b.middle).norm() + a.own + b.own + reach) * (1.0 + 1e-6);
             squared <= far * far
         };
-        let [a, b] = pair.map(|segment| segment as usize);
+        let (a, b) = (pair[0] as usize, pair[1] as usize);
         if self.table.is_empty() {
             both(&self.find(a), &self.find(b))
         } else {
