@@ -2,8 +2,9 @@
 
 use crate::common::Run;
 use crate::drum::{RADIUS, SEGMENT, expected, rests, scene};
+use nalgebra::Vector3;
 use std::convert::Infallible;
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Ratios at loads, each as it is expected.
 fn ratios(mu: f64, loads: &[f64]) -> Vec<f64> {
@@ -59,4 +60,43 @@ fn the_ratio_of_loads_has_a_minimum() {
 fn loads_differ_without_friction() {
     let ratios = ratios(0.0, &[0.1, 0.3, 30.0]);
     assert!(ratios[0] > 1.1 && (ratios[2] - 1.0).abs() < 1e-3, "{ratios:?}");
+}
+
+/// A cord is wound half round a drum that stands still, by a root that is clamped at its surface:
+/// lower than the ends of chords that lie on it. Its first segment is not pried off by that, and
+/// friction misses at most the turn of that one.
+#[test]
+fn a_root_at_the_drum_draws_a_cord_over_it() {
+    let (mu, load, radius, drum) = (0.3_f64, 0.05, 2e-4_f64, 0.01);
+    let (length, segments, young, density) = (0.25, 125, 2e8, 1200.0);
+    let axis = drum + radius;
+    let place = axis + 1e-6;
+    let mut run = Run::read(&format!(
+        "(format: 1, duration: 1.0, fibers: [(length: {length:?}, segments: {segments},
+            section: Circle(radius: {radius:?}), damping_time: 1e-3,
+            material: Elastic(density: {density:?}, youngs_modulus: {young:?},
+                shear_modulus: 7e7),
+            root: (position: ({place:?}, 0, 0), orientation: Along(direction: (0, 0, -1))),
+            motion: Swing(angle: -360, radius: {place:?}, period: 4.0, axis: (0, 1, 0),
+                center: (-1, 0, 0), pace: Constant),
+            tip: Loaded(force: (value: (0, 0, {:?}))))],
+        objects: [(shape: Capsule(length: 0.06, radius: {drum:?}), turn: (90, 0, 0))],
+        contact: (friction: Isotropic({mu:?})), environment: (viscosity: 1e-3),
+        stepper: (dt: 1e-3))",
+        -load
+    ));
+    run.steps(1000);
+    let state = run.world.state(0);
+    let pull = state.forces[0].dot(&(state.frames[0] * Vector3::z()));
+    // The leg that hangs leaves the drum with its curvature, which takes an angle of the turn; the
+    // shear there rubs as a point force.
+    let section = PI * radius * radius;
+    let hangs = load + density * section * 9.81 * (length - PI * axis);
+    let bent = 0.5 * young * section * radius * radius / 4.0 / (axis * axis);
+    let leg = (1.0 - bent / hangs).acos();
+    let held = hangs * (leg.cos() + mu * leg.sin());
+    let [least, most] = [length / f64::from(segments), 0.0]
+        .map(|missed| held * (mu * (PI - leg - missed / axis)).exp());
+    println!("{pull:.4} N in {least:.4}..{most:.4}");
+    assert!(least < pull && pull < most, "{pull} N in {least}..{most}");
 }
