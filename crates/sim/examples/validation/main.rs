@@ -12,6 +12,8 @@ mod coiling;
 mod discrete;
 #[path = "../../tests/it/drum.rs"]
 mod drum;
+#[path = "../../tests/it/greenhill.rs"]
+mod greenhill;
 mod knot;
 mod planar;
 mod plectoneme;
