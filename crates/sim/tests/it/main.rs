@@ -28,6 +28,7 @@ mod mass_spring;
 mod meshes;
 mod messages;
 mod objects;
+mod pressed;
 mod probes;
 mod reference;
 mod rest;
