@@ -1,6 +1,7 @@
 //! What theory says, computed here: closed forms, and quadratures of ordinary differential
 //! equations that no integrator of the house has a part in.
 
+use crate::greenhill::clamps;
 use rapunzel_rod_static::elliptic::{first_kind, second_kind};
 use std::f64::consts::FRAC_PI_2;
 
@@ -141,20 +142,11 @@ pub(crate) fn snap_thrust(lean: f64) -> f64 {
     root(low).powi(2)
 }
 
-/// The tension at which a clamped rod writhes under the twisting moment `moment`, with `B = L = 1`.
-///
-/// Beside the straight line there are `exp(i k s)` with `k = a + b` and `a - b`, where `a = M / 2`
-/// and `b^2 = a^2 - T`, and a straight line that is tilted; with `x = k / 2` both clamps ask for
-/// `(sin x - x cos x) y sin y = (sin y - y cos y) x sin x`. Without tension it is `tan x = x`,
-/// without moment Euler's load of clamped ends; of long rods it is `M^2 = 4 T` (Greenhill 1883).
+/// The tension at which a clamped rod writhes under the twisting moment `moment`, with `B = L = 1`
+/// ([`clamps`]).
 pub(crate) fn writhing_tension(moment: f64) -> f64 {
     let a = 0.5 * moment;
-    let clamps = |b: f64| {
-        let [x, y] = [0.5 * (a + b), 0.5 * (a - b)];
-        let bent = |x: f64| x.sin() - x * x.cos();
-        // Of equal roots it vanishes always.
-        (bent(x) * y * y.sin() - bent(y) * x * x.sin()) / b
-    };
+    let clamps = |b: f64| clamps(a, b);
     let mut b = 1e-3;
     while clamps(b + 0.01) * clamps(b) > 0.0 {
         b += 0.01;
