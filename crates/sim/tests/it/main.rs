@@ -35,6 +35,7 @@ mod rigid;
 mod rolling;
 mod runs;
 mod scenes;
+mod shown_points;
 mod stacks;
 mod starts;
 mod stepper;
