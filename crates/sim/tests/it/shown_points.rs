@@ -60,7 +60,7 @@ fn swung(method: &str) -> World {
     let fiber = |segments: usize| {
         format!(
             "(length: 0.1, segments: {segments}, section: Circle(radius: 4e-5),
-              shape: Helix(radius: 0.005, pitch: 0.03),
+              shape: Helix(radius: 0.02, pitch: 0.3),
               arrangement: Ellipse(semi_axes: (0.02, 0.02), count: 5))"
         )
     };
