@@ -1,8 +1,8 @@
 use crate::StepReport;
 use nalgebra::{Point3, Vector3};
 use rapunzel_rod_dynamic::{
-    self as rod, Conditions, Energy, Ledger, Momentum, RodError, RodIntegrator, RodState,
-    SectionLaws, StaggeredBatch, StepError, adaptive,
+    self as rod, Conditions, Energy, Ledger, Momentum, NodeQuantity, RodError, RodIntegrator,
+    RodState, SectionLaws, StaggeredBatch, StepError, adaptive,
 };
 
 /// How much more a gripper resists what moves an inner node than the node's inertia does in a step:
@@ -13,6 +13,14 @@ const STIFF: f64 = 1e4;
 pub trait RodBatch: Send + Sync {
     /// The state of the rod in a lane; allocates.
     fn state(&self, lane: usize) -> RodState;
+    /// Appends the positions of all nodes of the rod in a lane, m, world.
+    fn node_positions(&self, lane: usize, into: &mut Vec<Point3<f64>>) {
+        into.extend(self.state(lane).positions);
+    }
+    /// Appends the values of a quantity at all nodes of the rod in a lane.
+    fn node_values(&self, lane: usize, of: NodeQuantity, into: &mut Vec<f64>) {
+        of.of_state(&self.state(lane), into);
+    }
     /// Puts the rod in a lane into a state.
     ///
     /// # Errors
@@ -73,6 +81,14 @@ pub trait RodBatch: Send + Sync {
 impl RodBatch for StaggeredBatch {
     fn state(&self, lane: usize) -> RodState {
         self.state(lane)
+    }
+
+    fn node_positions(&self, lane: usize, into: &mut Vec<Point3<f64>>) {
+        self.node_positions(lane, into);
+    }
+
+    fn node_values(&self, lane: usize, of: NodeQuantity, into: &mut Vec<f64>) {
+        self.node_values(lane, of, into);
     }
 
     fn set_state(&mut self, lane: usize, state: &RodState) -> Result<(), RodError> {

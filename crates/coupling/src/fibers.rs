@@ -4,7 +4,8 @@ use crate::{CouplingError, EnergyLedger, FiberGroup, RodBatch, StepReport, Surro
 use nalgebra::{Point3, Vector3};
 use rapunzel_fiber::Assembly;
 use rapunzel_rod_dynamic::{
-    Conditions, End, Energy, Instant, Ledger, Momentum, RodError, RodState, elastic_moments,
+    Conditions, End, Energy, Instant, Ledger, Momentum, NodeQuantity, RodError, RodState,
+    elastic_moments,
 };
 use rayon::prelude::*;
 
@@ -69,6 +70,25 @@ impl<B: RodBatch + ?Sized> Fibers<B> {
     pub fn state(&self, fiber: usize) -> RodState {
         let (group, lane) = self.lanes[fiber];
         self.groups[group].batch.state(lane)
+    }
+
+    /// Appends the positions of all nodes of a fibre, m, world: those of its state, for a small
+    /// part of the cost.
+    ///
+    /// # Panics
+    /// If there is no such fibre, as indexing does.
+    pub fn node_positions(&self, fiber: usize, into: &mut Vec<Point3<f64>>) {
+        let (group, lane) = self.lanes[fiber];
+        self.groups[group].batch.node_positions(lane, into);
+    }
+
+    /// Appends the values of a quantity at all nodes of a fibre.
+    ///
+    /// # Panics
+    /// If there is no such fibre, as indexing does.
+    pub fn node_values(&self, fiber: usize, of: NodeQuantity, into: &mut Vec<f64>) {
+        let (group, lane) = self.lanes[fiber];
+        self.groups[group].batch.node_values(lane, of, into);
     }
 
     /// Puts a fibre into a state.

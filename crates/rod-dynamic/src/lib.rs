@@ -11,6 +11,7 @@ mod ledger;
 mod linear;
 mod load;
 mod moments;
+mod node_quantity;
 mod response;
 mod rod;
 mod staggered;
@@ -27,6 +28,7 @@ pub use ledger::Ledger;
 pub use linear::{Linearization, Mode, linearize};
 pub use load::Load;
 pub use moments::elastic_moments;
+pub use node_quantity::NodeQuantity;
 pub use response::{ImpulseResponse, Impulses, Point, PointAction, PointResponses};
 pub use rod::{Energy, Momentum, Rod, RodIntegrator, RodState, RodStepReport, SectionLaws};
 pub use staggered::{

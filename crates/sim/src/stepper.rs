@@ -6,7 +6,8 @@ use rapunzel_coupling::{EnergyLedger, FibersInContact, StepReport, Stopwatch, Su
 use rapunzel_export::Strand;
 use rapunzel_export::usd::{Prim, PrimShape};
 use rapunzel_fiber::Assembly;
-use rapunzel_rod_dynamic::{Energy, Momentum, RodState};
+use rapunzel_rod_dynamic::{Energy, Momentum, NodeQuantity, RodState};
+use rapunzel_studio::Coloring;
 use rapunzel_studio::sheet::Support;
 use std::ops::Range;
 
@@ -41,6 +42,17 @@ pub trait Stepper: Send + Sync {
 
     /// Strands as frames show them, each made when it is asked for.
     fn strands(&self) -> Box<dyn Iterator<Item = Strand> + '_>;
+
+    /// Appends the points of all strands, m, world, one strand after another.
+    fn points(&self, into: &mut Vec<Point3<f64>>) {
+        into.extend(self.strands().flat_map(|strand| strand.points));
+    }
+
+    /// Appends what colors show at the points of all strands, one strand after another.
+    fn values(&self, of: Coloring, into: &mut Vec<f64>) {
+        let strands = self.strands().enumerate();
+        into.extend(strands.flat_map(|(index, strand)| of.of_strand(index, &strand)));
+    }
 
     /// Number of nodes of everything.
     fn nodes(&self) -> usize {
@@ -167,6 +179,22 @@ pub trait FiberStates {
     /// # Panics
     /// If there is no such fibre, as indexing does.
     fn state(&self, fiber: usize) -> RodState;
+
+    /// Appends the positions of all nodes of a fibre, m, world.
+    ///
+    /// # Panics
+    /// If there is no such fibre, as indexing does.
+    fn node_positions(&self, fiber: usize, into: &mut Vec<Point3<f64>>) {
+        into.extend(self.state(fiber).positions);
+    }
+
+    /// Appends the values of a quantity at all nodes of a fibre.
+    ///
+    /// # Panics
+    /// If there is no such fibre, as indexing does.
+    fn node_values(&self, fiber: usize, of: NodeQuantity, into: &mut Vec<f64>) {
+        of.of_state(&self.state(fiber), into);
+    }
 
     /// Energy of a fibre, J, in a gravity, m/s^2.
     ///

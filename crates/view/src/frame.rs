@@ -2,10 +2,13 @@
 
 use nalgebra::{Isometry3, Point3};
 use rapunzel_export::Strand;
+use rapunzel_sim::Stepper;
 use rapunzel_studio::{ColorRange, Coloring};
 
 /// The first bytes of a frame.
 const MARK: &[u8; 4] = b"RPF1";
+/// Bytes of a frame beside its points and objects: its head, and extras of nothing.
+const ROOM: usize = 80 + 16;
 /// The largest number of 16 bits.
 const MOST_UNITS: f64 = 65_535.0;
 /// Positions farther from the origin than this, m, are not shown where they are.
@@ -17,6 +20,36 @@ pub(crate) struct Colors {
     pub(crate) by: Option<Coloring>,
     /// Grows with the values, so that a color keeps its meaning from frame to frame.
     pub(crate) range: Option<ColorRange>,
+}
+
+/// Points of strands with what colors show at them. Kept from frame to frame, so that none is made
+/// anew.
+#[derive(Debug, Default)]
+pub(crate) struct ShownPoints {
+    /// m, world, one strand after another.
+    pub(crate) points: Vec<Point3<f64>>,
+    /// One a point, or none where nothing colors them.
+    pub(crate) values: Vec<f64>,
+}
+
+impl ShownPoints {
+    /// Those of strands.
+    pub(crate) fn of_strands(strands: &[Strand], by: Option<Coloring>) -> Self {
+        let points = strands.iter().flat_map(|strand| strand.points.iter().copied()).collect();
+        let values = by.iter().flat_map(|by| {
+            let of = |(index, strand)| by.of_strand(index, strand);
+            strands.iter().enumerate().flat_map(of)
+        });
+        Self { points, values: values.collect() }
+    }
+
+    /// Those of what moves, as it is now.
+    pub(crate) fn read(&mut self, stepper: &dyn Stepper, by: Option<Coloring>) {
+        self.points.clear();
+        stepper.points(&mut self.points);
+        self.values.clear();
+        by.iter().for_each(|by| stepper.values(*by, &mut self.values));
+    }
 }
 
 /// What a frame says beside its points.
@@ -37,22 +70,18 @@ pub(crate) struct FrameHead {
 ///
 /// A position is the origin and the unit times its numbers, so that it is off by half a unit at
 /// most along each axis.
+///
+/// What is no number is shown at zero, and what is farther than can be shown at the edge.
 pub(crate) fn frame(
     head: FrameHead,
-    strands: impl Iterator<Item = Strand>,
+    shown: &ShownPoints,
     poses: &[Isometry3<f64>],
     colors: &mut Colors,
 ) -> Vec<u8> {
-    let (mut points, mut values) = (Vec::new(), Vec::new());
-    for (index, strand) in strands.enumerate() {
-        if let Some(by) = colors.by {
-            values.extend(by.of_strand(index, &strand));
-        }
-        points.extend(strand.points.iter().map(shown));
-    }
-    let (origin, unit) = bounds(&points);
-    let range = range(colors, &values);
-    let mut bytes = Vec::with_capacity(88 + 8 * points.len() + 28 * poses.len());
+    let ShownPoints { points, values } = shown;
+    let (origin, unit) = bounds(points);
+    let range = range(colors, values);
+    let mut bytes = Vec::with_capacity(ROOM + 8 * points.len() + 28 * poses.len());
     bytes.extend(MARK);
     bytes.extend(head.layout.to_le_bytes());
     bytes.extend(head.number.to_le_bytes());
@@ -61,14 +90,18 @@ pub(crate) fn frame(
     }
     bytes.extend(count(points.len()).to_le_bytes());
     bytes.extend(count(poses.len()).to_le_bytes());
-    let width = range.high - range.low;
-    for (k, point) in points.iter().enumerate() {
-        for axis in 0..3 {
-            bytes.extend(sixteen((point[axis] - origin[axis]) / unit).to_le_bytes());
+    let begin = bytes.len();
+    bytes.resize(begin + 8 * points.len(), 0);
+    let (units, width) = (unit.recip(), range.high - range.low);
+    let steps = if width > 0.0 { MOST_UNITS / width } else { 0.0 };
+    // Without colors every value is zero.
+    let values = values.iter().copied().chain(std::iter::repeat(0.0));
+    for ((to, point), value) in bytes[begin..].chunks_exact_mut(8).zip(points).zip(values) {
+        let place = (reachable(point) - origin) * units;
+        let numbers = [place.x, place.y, place.z, (value - range.low) * steps].map(sixteen);
+        for (to, number) in to.chunks_exact_mut(2).zip(numbers) {
+            to.copy_from_slice(&number.to_le_bytes());
         }
-        let value = values.get(k).copied().unwrap_or(0.0);
-        let place = if width > 0.0 { (value - range.low) / width } else { 0.0 };
-        bytes.extend(sixteen(place * MOST_UNITS).to_le_bytes());
     }
     for pose in poses {
         let (place, turn) = (pose.translation.vector, pose.rotation.coords);
@@ -89,23 +122,26 @@ fn range(colors: &mut Colors, values: &[f64]) -> ColorRange {
 }
 
 /// A point that can be shown.
-fn shown(point: &Point3<f64>) -> Point3<f64> {
+fn reachable(point: &Point3<f64>) -> Point3<f64> {
     point.map(|x| if x.is_finite() { x.clamp(-FARTHEST, FARTHEST) } else { 0.0 })
 }
 
 /// The lowest corner of the box of all points, and the unit in which the longest of its sides has
 /// all 16 bits.
 fn bounds(points: &[Point3<f64>]) -> (Point3<f64>, f64) {
-    let first = points.first().copied().unwrap_or_else(Point3::origin);
-    let (low, high) =
-        points.iter().fold((first, first), |(low, high), point| (low.inf(point), high.sup(point)));
+    let first = points.first().map_or_else(Point3::origin, reachable);
+    let wider = |(low, high): (Point3<f64>, Point3<f64>), point: &Point3<f64>| {
+        let point = reachable(point);
+        (low.inf(&point), high.sup(&point))
+    };
+    let (low, high) = points.iter().fold((first, first), wider);
     (low, ((high - low).max() / MOST_UNITS).max(1e-12))
 }
 
 /// The nearest number of 16 bits.
 pub(crate) fn sixteen(x: f64) -> u16 {
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
-    let number = x.round().clamp(0.0, MOST_UNITS) as u16;
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
+    let number = (x + 0.5) as u16;
     number
 }
 
@@ -153,8 +189,8 @@ mod tests {
             .collect();
         let head = FrameHead { layout: 7, number: 3, time: 0.25 };
         let mut colors = Colors { by: Some(Coloring::Speed), range: None };
-        let strands = [strand(points.clone())].into_iter();
-        let bytes = frame(head, strands, &[Isometry3::identity()], &mut colors);
+        let shown = ShownPoints::of_strands(&[strand(points.clone())], colors.by);
+        let bytes = frame(head, &shown, &[Isometry3::identity()], &mut colors);
         assert_eq!(&bytes[..4], MARK);
         assert_eq!(bytes.len(), 80 + 8 * 50 + 28);
         let (origin, unit) = ([24, 32, 40].map(|at| number(&bytes, at)), number(&bytes, 48));
@@ -174,8 +210,8 @@ mod tests {
     fn what_is_no_number_is_shown_at_the_origin() {
         let far = Point3::new(f64::NAN, f64::INFINITY, 1e300);
         let head = FrameHead { layout: 0, number: 0, time: 0.0 };
-        let strands = [strand(vec![far, Point3::origin()])].into_iter();
-        let bytes = frame(head, strands, &[], &mut Colors::default());
+        let shown = ShownPoints { points: vec![far, Point3::origin()], values: Vec::new() };
+        let bytes = frame(head, &shown, &[], &mut Colors::default());
         let unit = number(&bytes, 48);
         assert!(unit.is_finite() && unit > 0.0, "{unit}");
     }

@@ -6,6 +6,7 @@ use crate::wish::PictureWish;
 use std::collections::BTreeMap;
 use std::sync::mpsc::SyncSender;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use tungstenite::Bytes;
 
 /// Number of a page, in the order of coming.
 pub(crate) type PageId = u64;
@@ -38,8 +39,8 @@ struct Pages {
     controls: Option<PageId>,
     /// What a page that comes needs to know.
     about: Option<Arc<str>>,
-    layout: Option<Arc<[u8]>>,
-    frame: Option<Arc<[u8]>>,
+    layout: Option<Bytes>,
+    frame: Option<Bytes>,
     state: Option<Arc<str>>,
     ended: bool,
 }
@@ -148,7 +149,7 @@ impl Hub {
     pub(crate) fn show(&self, about: &str, layout: Option<Vec<u8>>) {
         let mut pages = self.pages();
         let about: Arc<str> = about.into();
-        let layout: Option<Arc<[u8]>> = layout.map(Into::into);
+        let layout: Option<Bytes> = layout.map(Into::into);
         for mailbox in pages.mailboxes.values() {
             mailbox.put_about(&about);
             layout.iter().for_each(|layout| mailbox.put_layout(layout));
@@ -169,7 +170,7 @@ impl Hub {
     /// Gives a frame to the pages that wait for one.
     pub(crate) fn publish_frame(&self, frame: Vec<u8>) {
         let mut pages = self.pages();
-        let frame: Arc<[u8]> = frame.into();
+        let frame: Bytes = frame.into();
         let waiting = pages.mailboxes.values().filter(|mailbox| mailbox.wants_frame());
         waiting.for_each(|mailbox| mailbox.put_frame(&frame));
         pages.frame = Some(frame);

@@ -5,7 +5,7 @@ use crate::clock::WallPace;
 use crate::drag::ObjectDrag;
 use crate::extras::{Extras, Shows, boxes, pushes};
 use crate::field_lines::{FieldLine, field_lines};
-use crate::frame::{Colors, FrameHead, frame};
+use crate::frame::{Colors, FrameHead, ShownPoints, frame};
 use crate::hands::{self, Hand};
 use crate::knobs::Knob;
 use crate::layout::{Parts, layout};
@@ -47,6 +47,8 @@ pub(crate) struct Live {
     pub(crate) unkept: Option<String>,
     /// Field lines, and the number of steps after which they are these.
     lines: Option<(u64, Vec<FieldLine>)>,
+    /// What the last frame showed.
+    shown: ShownPoints,
     /// Whether sliders were moved after the start, which a saved scene does not tell.
     pub(crate) is_bent: bool,
 }
@@ -76,6 +78,7 @@ impl Live {
             drag: None,
             unkept: None,
             lines: None,
+            shown: ShownPoints::default(),
             is_bent: false,
         })
     }
@@ -240,13 +243,12 @@ impl Live {
         let (number, time) = (self.world.steps(), self.world.time());
         let poses: Vec<Isometry3<f64>> = self.world.poses().collect();
         let head = FrameHead { layout, number, time };
-        if shows == Shows::default() {
-            let mut bytes = frame(head, self.world.stepper().strands(), &poses, colors);
-            Extras::default().write(&mut bytes);
-            return bytes;
-        }
-        let strands: Vec<_> = self.world.stepper().strands().collect();
+        self.shown.read(self.world.stepper(), colors.by);
         let mut extras = Extras::default();
+        // Of what is on demand only these need more than points.
+        let whole = shows.volumes.is_some() || shows.field;
+        let strands: Vec<_> =
+            if whole { self.world.stepper().strands().collect() } else { Vec::new() };
         if shows.contacts {
             extras.pushes = pushes(self.world.touches());
         }
@@ -256,7 +258,7 @@ impl Live {
         if shows.field {
             extras.lines = self.lines(number, &strands);
         }
-        let mut bytes = frame(head, strands.into_iter(), &poses, colors);
+        let mut bytes = frame(head, &self.shown, &poses, colors);
         extras.write(&mut bytes);
         bytes
     }

@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
+use tungstenite::Bytes;
 
 /// Frames that a page may have been sent without having said that it drew them.
 const AHEAD: u32 = 2;
@@ -13,7 +14,7 @@ const MOST_NOTES: usize = 16;
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Letter {
     Text(Arc<str>),
-    Bytes(Arc<[u8]>),
+    Bytes(Bytes),
     /// Nothing came for a while: time to ask whether the page is still there.
     Nothing,
     /// No more will come.
@@ -26,11 +27,11 @@ struct Mail {
     /// What is shown: its title, sliders and so on.
     about: Option<Arc<str>>,
     /// What does not change from frame to frame.
-    layout: Option<Arc<[u8]>>,
+    layout: Option<Bytes>,
     state: Option<Arc<str>>,
-    frame: Option<Arc<[u8]>>,
+    frame: Option<Bytes>,
     /// A picture by paths of light.
-    picture: Option<Arc<[u8]>>,
+    picture: Option<Bytes>,
     notes: VecDeque<Arc<str>>,
     /// Frames sent, less those that the page has drawn.
     ahead: u32,
@@ -63,9 +64,9 @@ impl Mailbox {
     }
 
     /// Puts another layout; frames of the one before fit it no more.
-    pub(crate) fn put_layout(&self, layout: &Arc<[u8]>) {
+    pub(crate) fn put_layout(&self, layout: &Bytes) {
         self.change(|mail| {
-            mail.layout = Some(Arc::clone(layout));
+            mail.layout = Some(layout.clone());
             mail.frame = None;
         });
     }
@@ -74,8 +75,8 @@ impl Mailbox {
         self.change(|mail| mail.state = Some(Arc::clone(state)));
     }
 
-    pub(crate) fn put_frame(&self, frame: &Arc<[u8]>) {
-        self.change(|mail| mail.frame = Some(Arc::clone(frame)));
+    pub(crate) fn put_frame(&self, frame: &Bytes) {
+        self.change(|mail| mail.frame = Some(frame.clone()));
     }
 
     /// Puts a picture in place of an older one.
@@ -151,8 +152,8 @@ impl Mailbox {
 mod tests {
     use super::*;
 
-    fn bytes(of: u8) -> Arc<[u8]> {
-        Arc::from([of].as_slice())
+    fn bytes(of: u8) -> Bytes {
+        Bytes::copy_from_slice(&[of])
     }
 
     #[test]

@@ -3,7 +3,7 @@
 
 use crate::clock::WallPace;
 use crate::extras::{Extras, Shows, boxes, node_pushes};
-use crate::frame::{Colors, FrameHead, frame};
+use crate::frame::{Colors, FrameHead, ShownPoints, frame};
 use crate::layout::{Parts, layout};
 use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 use rapunzel_export::Frame;
@@ -151,7 +151,8 @@ impl Recorded {
         if let Some(level) = shows.volumes {
             extras.boxes = boxes(&shown.strands, level);
         }
-        let mut bytes = frame(head, shown.strands.into_iter(), &poses, colors);
+        let points = ShownPoints::of_strands(&shown.strands, colors.by);
+        let mut bytes = frame(head, &points, &poses, colors);
         extras.write(&mut bytes);
         bytes
     }

@@ -40,7 +40,7 @@ pub(crate) fn serve(stream: TcpStream, hub: &Hub) {
             loop {
                 let message = match mailbox.next(QUIET) {
                     Letter::Text(text) => Message::Text(Utf8Bytes::from(text.as_ref())),
-                    Letter::Bytes(bytes) => Message::Binary(bytes.to_vec().into()),
+                    Letter::Bytes(bytes) => Message::Binary(bytes),
                     Letter::Nothing => Message::Ping(Vec::new().into()),
                     Letter::End => break,
                 };

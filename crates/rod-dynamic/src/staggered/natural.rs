@@ -4,7 +4,7 @@ use super::equilibrium::{EquilibriumError, at_rest, settled};
 use super::stability::is_minimum;
 use crate::joint::Joint;
 use crate::{End, Instant, Load, Rod, RodError, RodState};
-use nalgebra::{Isometry3, Matrix6, Vector3, Vector6};
+use nalgebra::{DVector, Isometry3, MatrixXx6, Vector3, Vector6};
 use rapunzel_fiber::{Fiber, so3};
 
 /// A fibre that rests in a shape under its loads.
@@ -23,7 +23,8 @@ const MOST_TURNS: usize = 60;
 /// Motion of a node, relative to the length of the fibre, up to which the shape is the one that
 /// was asked for: rounding.
 const SAME: f64 = 1e-9;
-/// Square of a load's effect, relative to the largest one's, that is none.
+/// Effect of a load, relative to the largest one's, that is none: effects are differences of
+/// curvatures, and rounding where a fibre turns some hundred times within its length.
 const NO_EFFECT: f64 = 1e-12;
 
 impl FittedFiber {
@@ -206,29 +207,26 @@ pub fn fitted_end_load(
     let stiffness = fiber.nodes()[0].stiffness.x;
     let units = [stiffness / length.powi(2), stiffness / length];
     let world = |v: Vector3<f64>| Load::World(v);
-    let mut shares: Vec<Vec<Vector3<f64>>> = Vec::with_capacity(6);
+    // A row for each component at each joint, a column for each load: normal equations would square
+    // the condition of what loads a straight or short fibre hardly feels.
+    let weights = (0..fiber.segments()).map(|e| Joint::new(fiber, e).length.sqrt());
+    let weights: Vec<f64> = weights.collect();
+    let row =
+        |row: usize, curvatures: &[Vector3<f64>]| weights[row / 3] * curvatures[row / 3][row % 3];
+    let rows = 3 * fiber.segments();
+    let right = DVector::from_fn(rows, |k, _| row(k, &left));
+    let mut matrix = MatrixXx6::zeros(rows);
     for k in 0..6 {
         let mut unit = [Vector3::zeros(); 2];
         unit[k / 3][k % 3] = units[k / 3];
         let [force, moment] = unit.map(world);
         let loaded = Instant { tip: End::Loaded { force, moment }, ..weightless };
         let bent = natural_curvatures(fiber, state, &loaded, &[])?;
-        shares.push(bent.iter().zip(&drawn).map(|(with, without)| without - with).collect());
+        matrix.set_column(k, &DVector::from_fn(rows, |k, _| row(k, &drawn) - row(k, &bent)));
     }
-    // Normal equations of the least squares, joint by joint.
-    let (mut matrix, mut right) = (Matrix6::zeros(), Vector6::zeros());
-    for e in 0..fiber.segments() {
-        let weight = Joint::new(fiber, e).length;
-        for i in 0..6 {
-            right[i] += weight * shares[i][e].dot(&left[e]);
-            for j in 0..6 {
-                matrix[(i, j)] += weight * shares[i][e].dot(&shares[j][e]);
-            }
-        }
-    }
-    let scale = matrix.diagonal().max();
-    let loads = matrix.svd(true, true).solve(&right, NO_EFFECT * scale);
-    let loads = loads.unwrap_or_default();
+    let parts = matrix.svd(true, true);
+    let scale = parts.singular_values.max();
+    let loads: Vector6<f64> = parts.solve(&right, NO_EFFECT * scale).unwrap_or_default();
     let force = loads.fixed_rows::<3>(0) * units[0];
     let moment = loads.fixed_rows::<3>(3) * units[1];
     let moment = state.frames[fiber.segments() - 1].inverse() * moment;

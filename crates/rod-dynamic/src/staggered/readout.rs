@@ -3,7 +3,8 @@
 use super::array::{at, get};
 use super::simd_batch::SimdBatch;
 use crate::joint::Joint;
-use crate::{Energy, Momentum, Rod, RodState};
+use crate::node_quantity::at_nodes;
+use crate::{Energy, Momentum, NodeQuantity, Rod, RodState};
 use nalgebra::{Point3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 use pulp::bytemuck::Pod;
 use pulp::{NullaryFnOnce, Simd};
@@ -17,6 +18,10 @@ pub(super) trait BatchReadout {
     fn energies(&self, gravity: &Vector3<f64>) -> [Energy; LANES];
     /// The lane's momentum; a section spins as its directors, which carry its inertia.
     fn momentum(&self, lane: usize) -> Momentum;
+    /// Appends the positions of all nodes of the lane, m, world frame.
+    fn node_positions(&self, lane: usize, into: &mut Vec<Point3<f64>>);
+    /// Appends the values of a quantity at all nodes of the lane.
+    fn node_values(&self, lane: usize, rod: &Rod, of: NodeQuantity, into: &mut Vec<f64>);
     /// Position (m) and velocity (m/s) of a node, world frame.
     fn node(&self, lane: usize, node: usize) -> (Point3<f64>, Vector3<f64>);
     /// How much of the lane's fibre is inside a nozzle, m.
@@ -32,20 +37,11 @@ impl<S: Simd> BatchReadout for SimdBatch<S> {
     fn state(&self, lane: usize, rod: &Rod, time: f64) -> RodState {
         let n = self.chain.n;
         let frames: Vec<_> = (0..n).map(|e| self.rotation(e, lane).to_rotation_matrix()).collect();
-        let nodes = rod.fiber.nodes();
-        let [root, tip] = self.chain.ends.joined(lane);
-        let curvatures = (0..=n)
-            .map(|j| {
-                if (j == 0 && !root) || (j == n && !tip) {
-                    return nodes[j].natural_curvature;
-                }
-                let length = Joint::new(&rod.fiber, j).length / self.stiffening(lane, j);
-                nodes[j].natural_curvature + self.strain(lane, j) / length
-            })
-            .collect();
+        let mut positions = Vec::with_capacity(n + 1);
+        self.node_positions(lane, &mut positions);
         RodState {
             time,
-            positions: (0..=n).map(|a| self.vector(&self.r, a, lane).into()).collect(),
+            positions,
             velocities: (0..=n).map(|a| self.vector(&self.nodes.v, a, lane)).collect(),
             angular_velocities: frames
                 .iter()
@@ -54,7 +50,30 @@ impl<S: Simd> BatchReadout for SimdBatch<S> {
                 .collect(),
             frames,
             forces: (0..n).map(|e| self.vector(&self.chain.force, e, lane)).collect(),
-            curvatures,
+            curvatures: self.curvatures(lane, rod).collect(),
+        }
+    }
+
+    fn node_positions(&self, lane: usize, into: &mut Vec<Point3<f64>>) {
+        into.extend((0..=self.chain.n).map(|a| Point3::from(self.vector(&self.r, a, lane))));
+    }
+
+    fn node_values(&self, lane: usize, rod: &Rod, of: NodeQuantity, into: &mut Vec<f64>) {
+        let n = self.chain.n;
+        match of {
+            NodeQuantity::Speed => {
+                into.extend((0..=n).map(|a| self.vector(&self.nodes.v, a, lane).norm()));
+            }
+            NodeQuantity::Curvature => {
+                into.extend(self.curvatures(lane, rod).map(|kappa| kappa.xy().norm()));
+            }
+            NodeQuantity::Tension => {
+                let of = |e: usize| {
+                    let frame = self.rotation(e, lane).to_rotation_matrix();
+                    frame.matrix().column(2).dot(&self.vector(&self.chain.force, e, lane))
+                };
+                into.extend(at_nodes((0..n).map(of)));
+            }
         }
     }
 
@@ -110,6 +129,20 @@ impl<S: Simd> SimdBatch<S> {
     /// Vector `i` of an array, in one lane.
     pub(super) fn vector(&self, a: &[S::f64s], i: usize, lane: usize) -> Vector3<f64> {
         Vector3::from_fn(|k, _| at(a, 3 * i + k, lane))
+    }
+
+    /// Darboux vectors at the nodes of a lane, material frame, 1/m: natural at an end without a
+    /// joint.
+    fn curvatures(&self, lane: usize, rod: &Rod) -> impl Iterator<Item = Vector3<f64>> {
+        let (n, nodes) = (self.chain.n, rod.fiber.nodes());
+        let [root, tip] = self.chain.ends.joined(lane);
+        (0..=n).map(move |j| {
+            if (j == 0 && !root) || (j == n && !tip) {
+                return nodes[j].natural_curvature;
+            }
+            let length = Joint::new(&rod.fiber, j).length / self.stiffening(lane, j);
+            nodes[j].natural_curvature + self.strain(lane, j) / length
+        })
     }
 
     pub(super) fn rotation(&self, e: usize, lane: usize) -> UnitQuaternion<f64> {

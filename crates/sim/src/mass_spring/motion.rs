@@ -33,6 +33,8 @@ pub(crate) trait ErasedSystem: Send + Sync {
     fn energy(&self, gravity: &Vector3<f64>) -> Energy;
     /// Springs as lines.
     fn strands(&self) -> Vec<Strand>;
+    /// Appends the points of these lines, m.
+    fn points(&self, into: &mut Vec<Point3<f64>>);
     /// What it is bounded by, of points of these lines, if it has a surface.
     fn surface(&self) -> Option<usd::PrimShape>;
     /// In which of these lines every node is, and where in it.
@@ -238,6 +240,11 @@ where
     fn strands(&self) -> Vec<Strand> {
         let force = |s| spatial(&self.system.spring_force(s));
         self.lines.iter().map(|line| strand(line, |n| self.node(n), force, self.radius)).collect()
+    }
+
+    fn points(&self, into: &mut Vec<Point3<f64>>) {
+        let nodes = self.lines.iter().flat_map(Polyline::nodes);
+        into.extend(nodes.map(|node| in_world(&self.system.position(*node))));
     }
 
     fn surface(&self) -> Option<usd::PrimShape> {

@@ -53,6 +53,10 @@ impl Stepper for MassSprings {
         Box::new(self.springs.strands().into_iter())
     }
 
+    fn points(&self, into: &mut Vec<Point3<f64>>) {
+        self.springs.points(into);
+    }
+
     fn nodes(&self) -> usize {
         self.springs.nodes()
     }

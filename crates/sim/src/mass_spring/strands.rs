@@ -12,6 +12,11 @@ pub(crate) struct Polyline {
 }
 
 impl Polyline {
+    /// The nodes at all points of the line.
+    pub(crate) fn nodes(&self) -> &[usize] {
+        &self.nodes
+    }
+
     /// The node at a point of the line.
     pub(crate) fn node(&self, point: usize) -> usize {
         self.nodes[point]

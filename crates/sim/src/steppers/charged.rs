@@ -1,4 +1,4 @@
-use super::{NodeLoads, fiber_nodes, fiber_strands};
+use super::{NodeLoads, fiber_nodes, fiber_points, fiber_strands, fiber_values};
 use crate::SimError;
 use crate::folder::CHARGE;
 use crate::stepper::{FiberStates, Scenery, Stepper};
@@ -8,6 +8,7 @@ use rapunzel_coupling::{StepReport, Surroundings};
 use rapunzel_export::Strand;
 use rapunzel_fiber::Assembly;
 use rapunzel_rod_dynamic::{Energy, RodState};
+use rapunzel_studio::Coloring;
 
 /// Fibres at rest, on which charge comes.
 pub(crate) struct Charged {
@@ -26,6 +27,12 @@ impl FiberStates for ChargedRods {
 
     fn energy_of(&self, fiber: usize, gravity: &Vector3<f64>) -> Energy {
         self.energy_of(fiber, gravity)
+    }
+}
+
+impl Charged {
+    fn loads(&self) -> NodeLoads {
+        NodeLoads { charges: self.fibers.charges(), ..NodeLoads::default() }
     }
 }
 
@@ -51,8 +58,15 @@ impl Stepper for Charged {
     }
 
     fn strands(&self) -> Box<dyn Iterator<Item = Strand> + '_> {
-        let loads = NodeLoads { charges: self.fibers.charges(), ..NodeLoads::default() };
-        Box::new(fiber_strands(&self.fibers, loads))
+        Box::new(fiber_strands(&self.fibers, self.loads()))
+    }
+
+    fn points(&self, into: &mut Vec<Point3<f64>>) {
+        fiber_points(&self.fibers, into);
+    }
+
+    fn values(&self, of: Coloring, into: &mut Vec<f64>) {
+        fiber_values(&self.fibers, of, || self.loads(), into);
     }
 
     fn node(&self, strand: usize, node: Option<usize>) -> (Point3<f64>, Vector3<f64>) {

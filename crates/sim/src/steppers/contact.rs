@@ -1,5 +1,5 @@
 use super::free::{ledger_columns, ledger_row};
-use super::{NodeLoads, fiber_nodes, fiber_strands};
+use super::{NodeLoads, fiber_nodes, fiber_points, fiber_strands, fiber_values};
 use crate::folder::{CONTACTS, OBJECTS};
 use crate::stepper::{FiberStates, Scenery, Stepper};
 use crate::{NodePull, SimError};
@@ -7,6 +7,7 @@ use nalgebra::{Point3, Vector3};
 use rapunzel_coupling::{ContactWork, FibersInContact, StepReport, Stopwatch, Surroundings};
 use rapunzel_export::Strand;
 use rapunzel_rod_dynamic::{Energy, RodState};
+use rapunzel_studio::Coloring;
 
 /// Fibres that touch each other and objects.
 pub(crate) struct InContact {
@@ -16,6 +17,12 @@ pub(crate) struct InContact {
     pub(crate) tells_ledger: bool,
     /// Number of objects.
     pub(crate) objects: usize,
+}
+
+impl InContact {
+    fn loads(&self) -> NodeLoads {
+        NodeLoads { contact_forces: self.fibers.contact_forces(), ..NodeLoads::default() }
+    }
 }
 
 impl Stepper for InContact {
@@ -32,9 +39,15 @@ impl Stepper for InContact {
     }
 
     fn strands(&self) -> Box<dyn Iterator<Item = Strand> + '_> {
-        let contact_forces = self.fibers.contact_forces();
-        let loads = NodeLoads { contact_forces, ..NodeLoads::default() };
-        Box::new(fiber_strands(self.fibers.fibers(), loads))
+        Box::new(fiber_strands(self.fibers.fibers(), self.loads()))
+    }
+
+    fn points(&self, into: &mut Vec<Point3<f64>>) {
+        fiber_points(self.fibers.fibers(), into);
+    }
+
+    fn values(&self, of: Coloring, into: &mut Vec<f64>) {
+        fiber_values(self.fibers.fibers(), of, || self.loads(), into);
     }
 
     fn node(&self, strand: usize, node: Option<usize>) -> (Point3<f64>, Vector3<f64>) {

@@ -1,11 +1,12 @@
-use super::{NodeLoads, fiber_nodes, fiber_strands};
+use super::{NodeLoads, fiber_nodes, fiber_points, fiber_strands, fiber_values};
 use crate::stepper::{FiberStates, Scenery, Stepper};
 use crate::{NodePull, SimError};
 use nalgebra::{Point3, Vector3};
 use rapunzel_coupling::{EnergyLedger, Fibers, RodBatch, StepReport, Surroundings};
 use rapunzel_export::Strand;
 use rapunzel_fiber::Assembly;
-use rapunzel_rod_dynamic::{Energy, Momentum, RodState};
+use rapunzel_rod_dynamic::{Energy, Momentum, NodeQuantity, RodState};
+use rapunzel_studio::Coloring;
 
 /// Fibres that touch nothing.
 pub(crate) struct Free {
@@ -36,6 +37,14 @@ impl<B: RodBatch + ?Sized> FiberStates for Fibers<B> {
 
     fn state(&self, fiber: usize) -> RodState {
         self.state(fiber)
+    }
+
+    fn node_positions(&self, fiber: usize, into: &mut Vec<Point3<f64>>) {
+        self.node_positions(fiber, into);
+    }
+
+    fn node_values(&self, fiber: usize, of: NodeQuantity, into: &mut Vec<f64>) {
+        self.node_values(fiber, of, into);
     }
 
     fn energy_of(&self, fiber: usize, gravity: &Vector3<f64>) -> Energy {
@@ -70,6 +79,14 @@ impl Stepper for Free {
 
     fn strands(&self) -> Box<dyn Iterator<Item = Strand> + '_> {
         Box::new(fiber_strands(&self.fibers, NodeLoads::default()))
+    }
+
+    fn points(&self, into: &mut Vec<Point3<f64>>) {
+        fiber_points(&self.fibers, into);
+    }
+
+    fn values(&self, of: Coloring, into: &mut Vec<f64>) {
+        fiber_values(&self.fibers, of, NodeLoads::default, into);
     }
 
     fn node(&self, strand: usize, node: Option<usize>) -> (Point3<f64>, Vector3<f64>) {

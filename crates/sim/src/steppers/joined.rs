@@ -1,11 +1,12 @@
 use super::free::{ledger_columns, ledger_row};
-use super::{NodeLoads, fiber_nodes, fiber_strands};
+use super::{NodeLoads, fiber_nodes, fiber_points, fiber_strands, fiber_values};
 use crate::stepper::{FiberStates, Scenery, Stepper};
 use crate::{NodePull, SimError};
 use nalgebra::{Point3, Vector3};
 use rapunzel_coupling::{JoinedFibers, StepReport, Surroundings};
 use rapunzel_export::Strand;
 use rapunzel_rod_dynamic::{Energy, RodState};
+use rapunzel_studio::Coloring;
 
 /// Fibres that are joined to each other or closed, and touch nothing.
 pub(crate) struct Joined {
@@ -30,6 +31,14 @@ impl Stepper for Joined {
 
     fn strands(&self) -> Box<dyn Iterator<Item = Strand> + '_> {
         Box::new(fiber_strands(self.fibers.fibers(), NodeLoads::default()))
+    }
+
+    fn points(&self, into: &mut Vec<Point3<f64>>) {
+        fiber_points(self.fibers.fibers(), into);
+    }
+
+    fn values(&self, of: Coloring, into: &mut Vec<f64>) {
+        fiber_values(self.fibers.fibers(), of, NodeLoads::default, into);
     }
 
     fn node(&self, strand: usize, node: Option<usize>) -> (Point3<f64>, Vector3<f64>) {

@@ -10,4 +10,4 @@ pub(crate) use charged::Charged;
 pub(crate) use contact::InContact;
 pub(crate) use free::Free;
 pub(crate) use joined::Joined;
-use scenery::{NodeLoads, fiber_nodes, fiber_strands};
+use scenery::{NodeLoads, fiber_nodes, fiber_points, fiber_strands, fiber_values};

@@ -1,9 +1,11 @@
 use crate::folder::{SPRINGS_USD, USD};
 use crate::scene::{MassSpring, Scene, Tip};
 use crate::stepper::{FiberStates, Scenery};
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
 use rapunzel_export::Strand;
 use rapunzel_export::usd::{Prim, PrimShape};
+use rapunzel_rod_dynamic::NodeQuantity;
+use rapunzel_studio::Coloring;
 use rapunzel_studio::sheet::Support;
 use std::ops::Range;
 
@@ -56,6 +58,45 @@ pub(super) fn fiber_strands(
             forces: state.forces,
         }
     })
+}
+
+/// Appends the points of [`fiber_strands`].
+pub(super) fn fiber_points(fibers: &dyn FiberStates, into: &mut Vec<Point3<f64>>) {
+    let layout = fibers.assembly().layout();
+    into.reserve(layout.nodes());
+    (0..layout.fibers()).for_each(|fiber| fibers.node_positions(fiber, into));
+}
+
+/// Appends what colors show at these points; loads are asked for where they are shown.
+pub(super) fn fiber_values(
+    fibers: &dyn FiberStates,
+    of: Coloring,
+    loads: impl FnOnce() -> NodeLoads,
+    into: &mut Vec<f64>,
+) {
+    let assembly = fibers.assembly();
+    let layout = assembly.layout();
+    into.reserve(layout.nodes());
+    let begin = into.len();
+    let mut read = |of| (0..layout.fibers()).for_each(|fiber| fibers.node_values(fiber, of, into));
+    match of {
+        Coloring::Speed => read(NodeQuantity::Speed),
+        Coloring::Curvature => read(NodeQuantity::Curvature),
+        Coloring::Tension => read(NodeQuantity::Tension),
+        Coloring::Strain => {
+            read(NodeQuantity::Curvature);
+            let values = into[begin..].iter_mut().zip(assembly.radii());
+            values.for_each(|(value, radius)| *value *= radius);
+        }
+        Coloring::Contact => into.extend(loads().contact_forces.iter().map(|force| force.norm())),
+        Coloring::Charge => into.extend(loads().charges),
+        Coloring::Fiber => {
+            let of = |fiber| layout.node_range(fiber).map(move |_| fiber as f64);
+            into.extend((0..layout.fibers()).flat_map(of));
+        }
+    }
+    // No loads are told where there are none.
+    into.resize(begin + layout.nodes(), 0.0);
 }
 
 impl Scenery {

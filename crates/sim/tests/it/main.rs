@@ -37,6 +37,7 @@ mod rigid;
 mod rolling;
 mod runs;
 mod scenes;
+mod shown_points;
 mod stacks;
 mod starts;
 mod stepper;

@@ -4,6 +4,7 @@ mod accessible;
 mod axe;
 mod browser;
 mod common;
+mod frames;
 mod hands;
 mod left;
 mod measured;
