@@ -54,8 +54,9 @@ pub(crate) fn pressed_strip() -> Fallible<Figure> {
         for way in WAYS {
             let right = threshold(weight, way)?;
             let name = format!("weight {weight}, pressed by {way}");
-            if way == WAYS[1] {
-                // What holds a tip that no force lets slip.
+            // What holds a tip that no force lets slip. Of the heaviest strip the errors of second
+            // order nearly cancel, and no order is seen above what contacts leave, some 1e-6.
+            if way == WAYS[1] && weight < WEIGHTS[2] {
                 all.push(Convergence::of(format!("{name}, ratio"), &MESHES, right, |n| {
                     let [_, along, normal] = run(&strip, n, way, ROUGH)?;
                     Ok(-along / normal)
