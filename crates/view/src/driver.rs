@@ -24,7 +24,7 @@ use std::time::{Duration, Instant};
 const FRAME: Duration = Duration::from_millis(16);
 /// Nor faster than takes this part of the time, but not slower than this for that: with the rest of
 /// a step, which they wait for, still 15 a second.
-const SHARE: u32 = 20;
+const SHARE: u32 = 30;
 const SLOWEST_FRAME: Duration = Duration::from_millis(50);
 /// While a hand moves they may take this part of the time, and follow each other as fast.
 const SHARE_OF_HAND: u32 = 4;
