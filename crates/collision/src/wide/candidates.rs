@@ -13,8 +13,8 @@ use rayon::prelude::*;
 const WORN: f64 = 1.5;
 /// Part of the margin by which ends of motions may be apart to have the same pairs.
 const LIST_SLACK: f64 = 0.5;
-/// The same where all that is swept is searched: each end that is elsewhere costs a search, and what
-/// is listed in vain for it as well.
+/// The same where all that is swept is searched: each end that is elsewhere costs a search, and
+/// what is listed in vain for it as well.
 const SWEPT_SLACK: f64 = 0.125;
 /// Pairs a segment above which a list is too long, and its margin is halved; where there are not
 /// even a quarter of them, it is doubled.

@@ -23,10 +23,6 @@ use rayon::prelude::*;
 /// Fibres that one task looks for at objects.
 const FIBERS: usize = 8;
 
-/// Part of the height of a chord's ends on a round object below which a root is too low for it. A
-/// segment that was pried off by a root that is clamped there would carry no friction.
-const LOW_ROOT: f64 = 0.5;
-
 /// How much closer two segments may come before the list of pairs is made anew, in margins.
 const RESERVE: f64 = 128.0;
 
@@ -91,38 +87,10 @@ impl ContactDetector {
         Ok(Self { margin, more, holds, candidates, rooted, joints, in_nozzles })
     }
 
-    /// Lets fibres grow out of kinematic objects from now on: those whose root at the start of the
-    /// motion has a gap to an object below what `grows` tells of the fibre, m, or too small for a
-    /// chord to lie on the object from there. Nothing tells of roots that are not held.
-    pub(crate) fn root(
-        &mut self,
-        motion: &NodeMotion,
-        objects: &[CollisionObject],
-        grows: impl Fn(usize) -> Option<f64>,
-    ) {
-        let fibers = (0..motion.layout.fibers()).filter_map(|fiber| Some((fiber, grows(fiber)?)));
-        let pairs = fibers.flat_map(|(fiber, gap)| {
-            let node = motion.layout.node_range(fiber).start;
-            let [root, next] = [node, node + 1].map(|node| motion.start[node]);
-            let first = motion.layout.segment_range(fiber).start;
-            let height = motion.sections.shapes.height(first);
-            let is_in = move |object: &CollisionObject| {
-                let pose = object.pose(motion.step.start);
-                let value = |node| object.field().value(&pose.inverse_transform_point(&node));
-                let above = value(root) - height;
-                // Over half a segment to both sides the surface falls off by as much as a chord
-                // has to lie above it at its ends.
-                let lies_too_low = || {
-                    let half = 0.5 * (next - root);
-                    let sagitta = 0.5 * (value(root + half) + value(root - half)) - value(root);
-                    sagitta < height && above < LOW_ROOT * sagitta
-                };
-                !object.is_free() && (above < gap || above < LOW_ROOT * height && lies_too_low())
-            };
-            let objects = (0..).zip(objects).filter(move |(_, object)| is_in(object));
-            objects.map(move |(object, _)| [fiber_number(fiber), object])
-        });
-        self.rooted = pairs.collect();
+    /// Lets fibres grow out of objects from now on: of these pairs by their numbers, in order, the
+    /// first segment of the fibre does not touch the object.
+    pub(crate) fn root(&mut self, rooted: Vec<[u32; 2]>) {
+        self.rooted = rooted;
     }
 
     /// Lets the first segments of each fibre touch nothing from now on: as many as it has inside a

@@ -1,6 +1,7 @@
 //! What touches before the first step.
 
 use super::detection::{ContactDetector, NodeMotion};
+use super::rooted::rooted;
 use super::sections::{OrientedSections, SectionShapes};
 use super::system::CoupledSystem;
 use crate::CouplingError;
@@ -39,7 +40,7 @@ pub(super) fn contact_points(
         let near = system.fibers.groups[group].lanes[lane].bundle.grows_within();
         held.then(|| near.unwrap_or(-depth))
     };
-    detector.root(&motion, system.objects, grows);
+    detector.root(rooted(&motion, system.objects, grows));
     detector.hide(system.in_nozzles(system.start));
     let mut points = Vec::new();
     detector.detect(&motion, system.objects, &HeldPlaces::default(), &mut points)?;

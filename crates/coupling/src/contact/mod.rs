@@ -56,6 +56,7 @@ mod newton;
 mod node_arrays;
 mod pair_lists;
 mod problem;
+mod rooted;
 mod sections;
 mod separation;
 mod stepper;

@@ -1,6 +1,7 @@
 //! Fibres that are laid into each other, moved apart before the first step.
 
 use super::detection::{ContactDetector, NodeMotion};
+use super::rooted::rooted;
 use super::sections::{OrientedSections, SectionShapes};
 use crate::body_ref::BodyRef;
 use crate::conditions::ROOT;
@@ -72,7 +73,7 @@ pub fn separate(
         };
         if round == 0 {
             let grows = |fiber: usize| (!free[layout.node_range(fiber).start]).then_some(ROOT);
-            detector.root(&motion, around.objects, grows);
+            detector.root(rooted(&motion, around.objects, grows));
         }
         detector.detect(&motion, around.objects, &HeldPlaces::default(), &mut points)?;
         let nodes = |point: &ContactPoint| {
