@@ -9,8 +9,9 @@ use crate::object::CollisionObject;
 const LOW_ROOT: f64 = 0.5;
 
 /// Fibres that grow out of kinematic objects, and these, by their numbers, in order: those whose
-/// root at the start of a motion has a gap to an object below what `grows` tells of the fibre, m, or
-/// too small for a chord to lie on the object from there. Nothing tells of roots that are not held.
+/// root at the start of a motion has a gap to an object below what `grows` tells of the fibre, m,
+/// or too small for a chord to lie on the object from there. Nothing tells of roots that are not
+/// held.
 pub(super) fn rooted(
     motion: &NodeMotion,
     objects: &[CollisionObject],
