@@ -19,6 +19,13 @@ pub(crate) const SHORTEST_BRANCH_STEP: f64 = 1e-5;
 const LONGER: f64 = 1.5;
 /// Least cosine between two steps that follow each other.
 const STRAIGHT: f64 = 0.7;
+/// The cosine above which steps of the parameter are limited, not their length: a twisted rod turns
+/// by many radians and stays straight.
+const VERY_STRAIGHT: f64 = 0.999;
+/// Largest rotation of a node on a step, rad: beyond half a turn it would count as its opposite.
+const MOST_TURN: f64 = 2.0;
+/// Part of a step in which the first direction is found.
+const PROBE: f64 = 1e-3;
 /// Most steps along a branch, in the number of steps that were asked for.
 const MOST_BRANCH_STEPS: usize = 20;
 /// Largest number of times that the elements of a point are split.
@@ -85,6 +92,17 @@ pub(crate) enum WalkGoal {
     Unstable,
     /// A bifurcation, by its index among those that are met.
     Bifurcation(usize),
+}
+
+/// A step along a branch.
+struct BranchStep {
+    next: Followed,
+    /// The end of the branch, if the next point is that.
+    end: Option<BranchEnd>,
+    /// Length of the step, in parts of the range.
+    length: f64,
+    /// Whether the branch hardly turned.
+    is_straight: bool,
 }
 
 /// A point of a branch with its nodes, on a mesh of its own.
@@ -171,29 +189,29 @@ impl ParameterSweep<'_> {
         if until == WalkGoal::Unstable && !equilibrium.is_stable() {
             return Err(StaticError::Unstable { ways: equilibrium.conjugate_points() });
         }
-        let point = BranchPoint { parameter: self.from, equilibrium };
-        let (points, limits) = (vec![point], Vec::new());
-        let branch = Branch { points, limits, ended: BranchEnd::Long, switched: None };
-        Ok(self.march(branch, None, first, until))
+        let points = vec![BranchPoint { parameter: self.from, equilibrium }];
+        let branch = Branch { points, limits: Vec::new(), ended: BranchEnd::Long, switched: None };
+        let probe = self.from + PROBE * self.range() / self.steps as f64;
+        let probe = self.fixed(first.clone(), probe).ok_or(StaticError::NotFound)?;
+        Ok(self.march(branch, first, probe, until))
     }
 
-    /// The branch with what follows on its last point `here`.
+    /// The branch with what follows on its last point, `here` or near it on the way from `before`.
     pub(crate) fn march(
         &self,
         branch: Branch,
-        mut before: Option<Followed>,
+        mut before: Followed,
         mut here: Followed,
         until: WalkGoal,
     ) -> Branch {
         let Branch { mut points, mut limits, switched, .. } = branch;
         let (most, longest) =
             (points.len() + MOST_BRANCH_STEPS * self.steps, 1.0 / self.steps as f64);
-        let mut step = longest;
-        let mut ended = BranchEnd::Long;
+        let (mut step, mut ended) = (longest, BranchEnd::Long);
         while points.len() <= most {
-            let next = self.next(before.as_ref(), &here, step);
-            let judged = next.and_then(|(next, end)| Some((next.judged()?, next, end)));
-            let Some((equilibrium, next, end)) = judged else {
+            let next = self.next(&before, &here, step);
+            let judged = next.and_then(|step| Some((step.next.judged()?, step)));
+            let Some((equilibrium, taken)) = judged else {
                 step *= 0.5;
                 if step < SHORTEST_BRANCH_STEP * longest {
                     ended = BranchEnd::Stuck;
@@ -201,6 +219,7 @@ impl ParameterSweep<'_> {
                 }
                 continue;
             };
+            let BranchStep { next, end, length, is_straight } = taken;
             let counts = [&points[points.len() - 1].equilibrium, &equilibrium];
             let counts = counts.map(Equilibrium::conjugate_points);
             if counts[0] != counts[1] {
@@ -225,8 +244,11 @@ impl ParameterSweep<'_> {
                 ended = end;
                 break;
             }
-            before = Some(std::mem::replace(&mut here, next));
-            step = (LONGER * step).min(longest);
+            before = std::mem::replace(&mut here, next);
+            step = LONGER * length;
+            if !is_straight {
+                step = step.min(longest);
+            }
         }
         Branch { points, limits, ended, switched }
     }
@@ -235,23 +257,16 @@ impl ParameterSweep<'_> {
         self.to - self.from
     }
 
-    /// The next point, and the end of the branch if it is that.
-    fn next(
-        &self,
-        before: Option<&Followed>,
-        here: &Followed,
-        step: f64,
-    ) -> Option<(Followed, Option<BranchEnd>)> {
+    /// The step of at most the length `step` to the next point.
+    fn next(&self, before: &Followed, here: &Followed, step: f64) -> Option<BranchStep> {
         let part = |parameter: f64| (parameter - self.from) / self.range();
-        let Some(before) = before else {
-            let parameter = self.from + step * self.range();
-            let end = (step >= 1.0).then_some(BranchEnd::Reached);
-            return Some((self.fixed(here.clone(), parameter)?, end));
-        };
         let way =
             direction(&before.on_mesh_of(here)?, before.parameter, &here.nodes, here.parameter);
         let functional = way.functional(self.range());
-        let tau = step / functional.product(&way).sqrt();
+        let size = functional.product(&way).sqrt();
+        let turn = way.nodes.iter().map(|v| v.fixed_rows::<3>(3).norm()).fold(0.0, f64::max);
+        let longest = (self.range() / (self.steps as f64 * way.parameter)).abs();
+        let tau = (step / size).min(longest).min(MOST_TURN / turn);
         let ahead = part(here.parameter + tau * way.parameter);
         // To the ends of the range exactly.
         let end = if ahead >= 1.0 {
@@ -277,8 +292,10 @@ impl ParameterSweep<'_> {
         let along = functional.product(&on);
         let sizes = [&way, &on].map(|d| d.functional(self.range()).product(d).sqrt());
         let inside = end.is_some() || (0.0..=1.0).contains(&part(next.parameter));
-        let straight = along >= STRAIGHT * sizes[0] * sizes[1];
-        (straight && inside).then_some((next, end.map(|(_, end)| end)))
+        let straight = |least: f64| along >= least * sizes[0] * sizes[1];
+        let (end, is_straight) = (end.map(|(_, end)| end), straight(VERY_STRAIGHT));
+        let step = BranchStep { next, end, length: tau * size, is_straight };
+        (straight(STRAIGHT) && inside).then_some(step)
     }
 
     /// The equilibrium at a value of the parameter near `guess`.

@@ -36,7 +36,7 @@ impl ParameterSweep<'_> {
         let equilibrium = here.judged().ok_or(StaticError::NotFound)?;
         branch.switched = Some(branch.points.len());
         branch.points.push(BranchPoint { parameter: here.parameter, equilibrium });
-        Ok(self.march(branch, Some(before), here, WalkGoal::End))
+        Ok(self.march(branch, before, here, WalkGoal::End))
     }
 
     /// The bifurcation, and a point of the other branch a step away along its mode.

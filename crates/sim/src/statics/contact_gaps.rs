@@ -1,12 +1,14 @@
 //! What the rods of a case touch, as gaps.
 
 use super::axis_gap::{AxisGap, may_cross};
+use super::chord_boxes::ChordBoxes;
 use super::fixed_object::{FixedObject, point, sizes};
 use crate::SimError;
 use nalgebra::{DMatrix, Point3, Vector3};
 use rapunzel_collision::Capsule;
 use rapunzel_rod_static::{Gap, GapFunctions, GapTerm};
 use rapunzel_scene::case::{Case, CaseRoot};
+use std::collections::BTreeMap;
 
 /// Distance, in the sum of two radii, up to which gaps between rods are listed.
 const LISTED: f64 = 3.0;
@@ -17,6 +19,7 @@ const SIDE_BY_SIDE: f64 = 0.3;
 const ROUND: f64 = 2.0;
 /// Arc length along a rod, in its radii, within which it does not touch itself: half a turn.
 const OWN: f64 = 7.0;
+
 /// A rod as its contacts see it.
 struct TouchingRodGeometry {
     /// Radii at the stations, m.
@@ -212,57 +215,64 @@ impl CaseGaps {
         }
     }
 
-    /// Gaps between two rods, or far parts of one.
-    fn rod_gaps(&self, [rod, other]: [usize; 2], nodes: &[Vec<Point3<f64>>], gaps: &mut Vec<Gap>) {
+    /// The ways between the stations of a rod, and boxes around them.
+    fn chords(&self, rod: usize, nodes: &[Point3<f64>]) -> Vec<Capsule> {
+        (0..nodes.len() - 1).map(|station| self.chord(rod, station, nodes)).collect()
+    }
+
+    /// Whether two ways of one rod are so near along it, or so ordered, that they are not looked
+    /// at.
+    fn is_own(&self, rod: usize, [i, j]: [usize; 2], reach: f64) -> bool {
+        let lengths = &self.rods[rod].lengths;
+        j <= i + 1 || lengths[j] - lengths[i + 1] < 0.5 * OWN * reach
+    }
+
+    /// Gaps between two rods, or far parts of one, with their ways.
+    fn rod_gaps(
+        &self,
+        [rod, other]: [usize; 2],
+        [ones, others]: [&[Capsule]; 2],
+        pairs: impl Iterator<Item = [usize; 2]>,
+        gaps: &mut Vec<Gap>,
+    ) {
         let own = rod == other;
-        let chords = |rod: usize| -> Vec<Capsule> {
-            (0..nodes[rod].len() - 1).map(|i| self.chord(rod, i, &nodes[rod])).collect()
-        };
-        let (ones, others) = (chords(rod), chords(other));
         // Of each station of the first rod the nearest way beside it; and how far ways are apart.
-        let mut beside: Vec<Option<(f64, usize)>> = vec![None; nodes[rod].len()];
-        let mut apart = vec![f64::INFINITY; ones.len() * others.len()];
+        let mut beside: Vec<Option<(f64, usize)>> = vec![None; ones.len() + 1];
+        let mut apart = BTreeMap::new();
         let mut crossing = Vec::new();
-        for (i, one) in ones.iter().enumerate() {
-            for (j, two) in others.iter().enumerate() {
-                let reach = one.radius + two.radius;
-                let lengths = &self.rods[rod].lengths;
-                if own && (j <= i + 1 || lengths[j] - lengths[i + 1] < 0.5 * OWN * reach) {
-                    continue;
-                }
-                let lengths = [one, two].map(|chord| (chord.end - chord.start).norm());
-                let middles =
-                    nalgebra::center(&one.start, &one.end) - nalgebra::center(&two.start, &two.end);
-                if middles.norm() > LISTED * reach + 0.5 * (lengths[0] + lengths[1]) {
-                    continue;
-                }
-                let distance = one.closest(two).distance();
-                if distance > LISTED * reach {
-                    continue;
-                }
-                apart[i * others.len() + j] = distance;
-                if !lie_side_by_side(one, two) {
-                    crossing.push([i, j]);
-                    continue;
-                }
-                for station in [i, i + 1] {
-                    let distance = point(&nodes[rod][station]).closest(two).distance();
-                    if beside[station].is_none_or(|(least, _)| distance < least) {
-                        beside[station] = Some((distance, j));
-                    }
+        for [i, j] in pairs {
+            let (one, two) = (&ones[i], &others[j]);
+            let reach = one.radius + two.radius;
+            if own && self.is_own(rod, [i, j], reach) {
+                continue;
+            }
+            let distance = one.closest(two).distance();
+            if distance > LISTED * reach {
+                continue;
+            }
+            apart.insert([i, j], distance);
+            if !lie_side_by_side(one, two) {
+                crossing.push([i, j]);
+                continue;
+            }
+            for (station, at) in [(i, &one.start), (i + 1, &one.end)] {
+                let distance = point(at).closest(two).distance();
+                if beside[station].is_none_or(|(least, _)| distance < least) {
+                    beside[station] = Some((distance, j));
                 }
             }
         }
+        crossing.sort_unstable();
         // Ways that cross touch where they are nearer than the ways before and behind them: so
         // there is one contact at a kink, and what is known of it does not jump.
         let mut met = 0;
         for [i, j] in crossing {
-            let near = apart[i * others.len() + j];
+            let near = apart[&[i, j]];
             let mut around = (i.saturating_sub(1)..(i + 2).min(ones.len())).flat_map(|k| {
                 (j.saturating_sub(1)..(j + 2).min(others.len())).map(move |l| [k, l])
             });
             let nearest = around.all(|[k, l]| {
-                let other = apart[k * others.len() + l];
+                let other = apart.get(&[k, l]).copied().unwrap_or(f64::INFINITY);
                 // Of equal ones the first counts.
                 [k, l] == [i, j] || near < other || near == other && [i, j] < [k, l]
             });
@@ -280,7 +290,8 @@ impl CaseGaps {
         }
         for (station, near) in beside.iter().enumerate() {
             let Some((_, j)) = near else { continue };
-            let mut point = point(&nodes[rod][station]);
+            let mut point =
+                point(if station == 0 { &ones[0].start } else { &ones[station - 1].end });
             point.radius = self.rods[rod].radii[station];
             let ends = [Some([rod, station]), None, Some([other, *j]), Some([other, *j + 1])];
             gaps.push(Self::axis_gap([rod, station, other, 0], [&point, &others[*j]], &ends));
@@ -298,10 +309,14 @@ fn lie_side_by_side(one: &Capsule, two: &Capsule) -> bool {
 impl GapFunctions for CaseGaps {
     fn gaps(&self, positions: &[Vec<Point3<f64>>]) -> Vec<Gap> {
         let mut gaps = Vec::new();
-        for (rod, nodes) in positions.iter().enumerate() {
+        let rods = || positions.iter().enumerate();
+        let chords: Vec<_> = rods().map(|(rod, nodes)| self.chords(rod, nodes)).collect();
+        let boxes: Vec<_> = chords.iter().map(|chords| ChordBoxes::of(chords)).collect();
+        for (rod, nodes) in rods() {
             self.object_gaps(rod, nodes, &mut gaps);
             for other in rod..positions.len() {
-                self.rod_gaps([rod, other], positions, &mut gaps);
+                let pairs = boxes[rod].pairs(&boxes[other], LISTED);
+                self.rod_gaps([rod, other], [&chords[rod], &chords[other]], pairs, &mut gaps);
             }
         }
         // Held roots, which nothing moves.
@@ -319,25 +334,30 @@ impl GapFunctions for CaseGaps {
                 nalgebra::center(&one.start, &one.end) - nalgebra::center(&two.start, &two.end);
             middles.norm() <= ways * farthest + 0.5 * (lengths[0] + lengths[1])
         };
+        let [before, behind] = [from, to].map(|positions| -> Vec<Vec<Capsule>> {
+            let rods = positions.iter().enumerate();
+            rods.map(|(rod, nodes)| self.chords(rod, nodes)).collect()
+        });
+        let ways = before.iter().zip(&behind);
+        let boxes: Vec<_> = ways.map(|(from, to)| ChordBoxes::swept(from, to)).collect();
         for (rod, nodes) in from.iter().enumerate() {
-            for i in 0..nodes.len() - 1 {
-                let [before, behind] = [nodes, &to[rod]].map(|nodes| self.chord(rod, i, nodes));
+            for (before, behind) in before[rod].iter().zip(&behind[rod]) {
                 let round = self.objects.iter().filter_map(|object| object.round.as_ref());
-                for round in round.filter(|round| near(&before, round, 1.0)) {
-                    if may_cross([&before, round], [&behind, round]) {
+                for round in round.filter(|round| near(before, round, 1.0)) {
+                    if may_cross([before, round], [behind, round]) {
                         return true;
                     }
                 }
-                for other in rod + 1..from.len() {
-                    for j in 0..from[other].len() - 1 {
-                        let [start, end] =
-                            [&from[other], &to[other]].map(|nodes| self.chord(other, j, nodes));
-                        if near(&before, &start, 2.0)
-                            && may_cross([&before, &start], [&behind, &end])
-                        {
-                            return true;
-                        }
-                    }
+            }
+            for other in rod..from.len() {
+                let crosses = |[i, j]: [usize; 2]| {
+                    let [start, end] = [&before, &behind].map(|all| [&all[rod][i], &all[other][j]]);
+                    let reach = start[0].radius + start[1].radius;
+                    let own = rod == other && self.is_own(rod, [i, j], reach);
+                    !own && near(start[0], start[1], 2.0) && may_cross(start, end)
+                };
+                if boxes[rod].pairs(&boxes[other], 0.0).any(crosses) {
+                    return true;
                 }
             }
             for object in self.objects.iter().filter(|object| object.is_pierceable()) {

@@ -3,6 +3,7 @@
 mod answer;
 mod axis_gap;
 mod branch;
+mod chord_boxes;
 mod contact_gaps;
 mod contact_rest;
 mod equilibria;

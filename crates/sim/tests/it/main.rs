@@ -22,6 +22,7 @@ mod grooms;
 mod joints;
 mod knot;
 mod laboratory;
+mod laid;
 mod laws;
 mod ledger;
 mod mass_spring;

@@ -6,16 +6,16 @@ use rapunzel_sim::statics::{Case, CaseAnswer, CaseContact, TouchedBy, solve};
 use std::fs;
 use std::path::Path;
 
-fn case(text: &str) -> Case {
+pub(crate) fn case(text: &str) -> Case {
     Case::from_ron(text).unwrap_or_else(|error| panic!("{error}"))
 }
 
-fn answer(text: &str) -> CaseAnswer {
+pub(crate) fn answer(text: &str) -> CaseAnswer {
     solve(&case(text)).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// What contacts obey, of rods of about 1 m.
-fn obeyed(contact: &CaseContact) {
+pub(crate) fn obeyed(contact: &CaseContact) {
     let largest = contact.touches.iter().map(|touch| touch.force).fold(0.0, f64::max);
     assert!(contact.penetration < 1e-9, "{:e}", contact.penetration);
     assert!(contact.slackness < 1e-9 * largest, "{:e}", contact.slackness);
@@ -33,7 +33,7 @@ fn rod(bending: f64, radius: f64) -> String {
 }
 
 /// Level along x.
-const LEVEL: &str = "orientation: Along(direction: (1, 0, 0))";
+pub(crate) const LEVEL: &str = "orientation: Along(direction: (1, 0, 0))";
 
 /// A cantilever whose tip a force presses on a floor, bent far: the floor bears what an end that
 /// slides along the floor lacks.
