@@ -24,8 +24,9 @@ const STRAIGHT: f64 = 0.7;
 const VERY_STRAIGHT: f64 = 0.999;
 /// Largest rotation of a node on a step, rad: beyond half a turn it would count as its opposite.
 const MOST_TURN: f64 = 2.0;
-/// Part of a step in which the first direction is found.
-const PROBE: f64 = 1e-3;
+/// Parts of a step in which the first direction is looked for, one after the other: shorter ones
+/// where the rod gives way so much that Newton's method loses it, as a ring does that is twisted.
+const PROBES: [f64; 6] = [1e-3, 1e-4, 1e-5, 1e-6, 1e-2, 1e-1];
 /// Most steps along a branch, in the number of steps that were asked for.
 const MOST_BRANCH_STEPS: usize = 20;
 /// Largest number of times that the elements of a point are split.
@@ -191,8 +192,11 @@ impl ParameterSweep<'_> {
         }
         let points = vec![BranchPoint { parameter: self.from, equilibrium }];
         let branch = Branch { points, limits: Vec::new(), ended: BranchEnd::Long, switched: None };
-        let probe = self.from + PROBE * self.range() / self.steps as f64;
-        let probe = self.fixed(first.clone(), probe).ok_or(StaticError::NotFound)?;
+        let probe = |part: &f64| {
+            let parameter = self.from + part * self.range() / self.steps as f64;
+            self.fixed(first.clone(), parameter)
+        };
+        let probe = PROBES.iter().find_map(probe).ok_or(StaticError::NotFound)?;
         Ok(self.march(branch, first, probe, until))
     }
 
