@@ -91,13 +91,10 @@ const IN_CROWD: DescentPlan =
     DescentPlan { largest_error: 30.0, min_iterations: 5, max_iterations: 40, off_course: 3.0 };
 
 impl Admm {
-    /// The usual weight.
-    pub(crate) const WEIGHT: f64 = 8.0;
-
     /// The solver with its usual relaxation, weight and memory.
     #[must_use]
     pub fn new(tolerance: Tolerance) -> Self {
-        Self { tolerance, relaxation: 1.6, weight: Self::WEIGHT, memory: 10, histories: Vec::new() }
+        Self { tolerance, relaxation: 1.6, weight: 8.0, memory: 10, histories: Vec::new() }
     }
 }
 
