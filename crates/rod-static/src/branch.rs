@@ -19,13 +19,11 @@ pub(crate) const SHORTEST_BRANCH_STEP: f64 = 1e-5;
 const LONGER: f64 = 1.5;
 /// Least cosine between two steps that follow each other.
 const STRAIGHT: f64 = 0.7;
-/// The cosine above which steps of the parameter are limited, not their length: a twisted rod turns
-/// by many radians and stays straight.
+/// The cosine above which steps of the parameter are limited, not their length.
 const VERY_STRAIGHT: f64 = 0.999;
 /// Largest rotation of a node on a step, rad: beyond half a turn it would count as its opposite.
 const MOST_TURN: f64 = 2.0;
-/// Parts of a step in which the first direction is looked for, one after the other: shorter ones
-/// where the rod gives way so much that Newton's method loses it, as a ring does that is twisted.
+/// Parts of a step in which the first direction is looked for: a ring gives way to twist fast.
 const PROBES: [f64; 6] = [1e-3, 1e-4, 1e-5, 1e-6, 1e-2, 1e-1];
 /// Most steps along a branch, in the number of steps that were asked for.
 const MOST_BRANCH_STEPS: usize = 20;
@@ -192,10 +190,8 @@ impl ParameterSweep<'_> {
         }
         let points = vec![BranchPoint { parameter: self.from, equilibrium }];
         let branch = Branch { points, limits: Vec::new(), ended: BranchEnd::Long, switched: None };
-        let probe = |part: &f64| {
-            let parameter = self.from + part * self.range() / self.steps as f64;
-            self.fixed(first.clone(), parameter)
-        };
+        let step = self.range() / self.steps as f64;
+        let probe = |part: &f64| self.fixed(first.clone(), self.from + part * step);
         let probe = PROBES.iter().find_map(probe).ok_or(StaticError::NotFound)?;
         Ok(self.march(branch, first, probe, until))
     }
