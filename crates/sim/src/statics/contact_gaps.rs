@@ -215,7 +215,7 @@ impl CaseGaps {
         }
     }
 
-    /// The ways between the stations of a rod, and boxes around them.
+    /// The ways between the stations of a rod.
     fn chords(&self, rod: usize, nodes: &[Point3<f64>]) -> Vec<Capsule> {
         (0..nodes.len() - 1).map(|station| self.chord(rod, station, nodes)).collect()
     }
