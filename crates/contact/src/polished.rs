@@ -7,7 +7,7 @@
 //! with contacts made even.
 
 use crate::solver::respond;
-use crate::{Admm, Body, Contact, ContactError, GaussSeidel, Report, Solver, Tolerance};
+use crate::{Body, Contact, ContactError, GaussSeidel, Report, Solver, Splitting, Tolerance};
 use nalgebra::Vector3;
 
 /// Iterations of splitting before contacts are solved one by one.
@@ -17,7 +17,7 @@ const GAUSS_SEIDEL_ITERATIONS: usize = 200;
 /// Iterations of Gauss-Seidel in which it must come nearer.
 const GAUSS_SEIDEL_PATIENCE: usize = 20;
 
-/// [`Admm`] for some iterations, then [`GaussSeidel`] where that is not enough: a third of the
+/// [`Splitting`] for some iterations, then [`GaussSeidel`] where that is not enough: a third of the
 /// iterations that splitting alone takes to a tolerance of 1e-3 from a good guess.
 ///
 /// Splitting alone solves what Gauss-Seidel does not come nearer to, such as fibers that jam each
@@ -26,7 +26,7 @@ const GAUSS_SEIDEL_PATIENCE: usize = 20;
 pub struct Polished {
     /// Tolerances at which it stops.
     pub tolerance: Tolerance,
-    splitting: Admm,
+    splitting: Splitting,
     /// Whether solving one by one has led nowhere.
     stalled: bool,
 }
@@ -35,7 +35,7 @@ impl Polished {
     /// A solver that stops at these tolerances.
     #[must_use]
     pub fn new(tolerance: Tolerance) -> Self {
-        Self { tolerance, splitting: Admm::new(tolerance), stalled: false }
+        Self { tolerance, splitting: Splitting::new(tolerance), stalled: false }
     }
 
     /// Forgets that solving one by one has led nowhere, since when only splitting is tried: what
@@ -45,7 +45,7 @@ impl Polished {
     }
 
     /// Splitting with at most this number of iterations.
-    fn splitting(&mut self, iterations: usize) -> &mut Admm {
+    fn splitting(&mut self, iterations: usize) -> &mut Splitting {
         self.splitting.tolerance = Tolerance { iterations, ..self.tolerance };
         &mut self.splitting
     }

@@ -8,6 +8,7 @@ mod between;
 mod curves;
 mod impacts;
 mod local;
+mod newton;
 mod oracles;
 mod piles;
 mod polished;
