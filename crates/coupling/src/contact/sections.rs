@@ -8,10 +8,12 @@
 //! is exact, but where one is met on its way; at an object it is as far as this is flat.
 //!
 //! A section that is pressed rocks about the place where it lies flat, the faster the harder it is
-//! pressed, and its places follow from list to list, not within a solve. What would rock faster
-//! than a step can follow is pressed along the normal, without what is aside.
+//! pressed, and its places follow from list to list, not within a solve. They follow as far as a
+//! step of backward Euler would let them: what is listed is where the section has turned to under
+//! the moments of the step before, and other moments turn it elsewhere.
 
 use super::closest_surfaces::{EllipticSegment, FacingPlace, SegmentPair, touched};
+use super::warm_start::ExpectedImpulses;
 use crate::body_ref::BodyRef;
 use crate::contact_point::ContactPoint;
 use nalgebra::{Matrix3, Unit, Vector3};
@@ -182,26 +184,39 @@ impl OrientedSections<'_> {
         });
     }
 
-    /// Moves places that bear something, by what rests on them in a step of `dt` seconds, along the
-    /// normal of those that would rock too fast: a moment that acts aside by `x` turns a section
-    /// within the step so far that the place moves by so many times `x`.
-    pub(crate) fn settle(&self, layout: &Layout, dt: f64, points: &mut [ContactPoint]) {
+    /// Moves places that bear something in a step of `dt` seconds back towards where they bore it in
+    /// the step before: a moment that acts aside by `x` turns a section within the step so far that
+    /// the place moves by so many `times` of `x`. The list is of where the section turns to if it is
+    /// pressed where it was; where it is pressed if that is where it turns to is nearer to that.
+    pub(crate) fn settle(
+        &self,
+        layout: &Layout,
+        dt: f64,
+        expected: &ExpectedImpulses,
+        points: &mut [ContactPoint],
+    ) {
         if self.directors.is_empty() {
             return;
         }
         let bears = |point: &&mut ContactPoint| point.impulse != Vector3::zeros();
         points.par_iter_mut().filter(bears).for_each(|point| {
+            let Some(before) = expected.nearest(point) else { return };
             for side in 0..2 {
                 let BodyRef::Fiber(fiber) = point.sides[side] else { continue };
                 let first = layout.segment_range(fiber as usize).start;
                 let segment = first + point.segments[side] as usize;
                 let [a, b] = self.shapes.semi_axes[segment];
-                let place = point.offsets[side];
-                let height = point.normal * place.dot(&point.normal);
-                let roll = (a * a - b * b).abs() / height.norm().max(a.min(b));
+                let (place, before) = (point.offsets[side], before.offset(side));
+                if place.dot(&before) <= 0.0 {
+                    continue;
+                }
+                let height = place.dot(&point.normal).abs();
+                let roll = (a * a - b * b).abs() / height.max(a.min(b));
                 let pressed = point.impulse.dot(&point.normal).abs();
                 let times = pressed * dt * roll / self.shapes.inertias[segment];
-                point.seat(side, height + (place - height) / (1.0 + times));
+                let back = before - place;
+                let aside = back - point.normal * point.normal.dot(&back);
+                point.seat(side, place + aside * (times / (1.0 + times)));
             }
         });
     }

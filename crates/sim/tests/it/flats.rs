@@ -2,8 +2,8 @@
 
 use crate::common::Run;
 use crate::common::books::Books;
-use nalgebra::Vector3;
-use std::f64::consts::TAU;
+use nalgebra::{Point3, Rotation3, Vector3};
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
 /// Semi-axes of a strip, m: thin and wide.
 const THIN: f64 = 1e-4;
@@ -36,10 +36,15 @@ fn strip(root: Vector3<f64>, along: &str, angle: f64, more: &str) -> String {
     )
 }
 
+/// Where the axis through some nodes is at a number of segments from the first.
+fn axis(nodes: &[Point3<f64>], at: f64) -> Point3<f64> {
+    let before = (0..nodes.len() - 1).rfind(|&node| node as f64 <= at).unwrap_or_default();
+    nodes[before].lerp(&nodes[before + 1], at - before as f64)
+}
+
 /// A strip that lies across another one, which is turned about its axis, is hinged at its root and
 /// drawn down at its tip. It is borne where the ridge of the lower one is, aside of its axis: by the
-/// law of levers the force tells where. What is between them bends and twists by less than a hundred
-/// thousandth of these lengths.
+/// law of levers the force tells where.
 #[test]
 fn a_strip_rests_on_the_ridge_of_another() {
     let (pull, before, after) = (1e-4, 3.1e-3, 6.9e-3);
@@ -47,8 +52,8 @@ fn a_strip_rests_on_the_ridge_of_another() {
         let up = Vector3::z();
         let ridge = touched(lower, &up);
         // The upper one is a strip along x that is turned to y: what is along y there is along -x.
-        let below = touched(upper, &-up);
-        let aside = -below.y;
+        let below =
+            Rotation3::from_axis_angle(&Vector3::z_axis(), FRAC_PI_2) * touched(upper, &-up);
         let height = ridge.z - below.z + 1e-9;
         let root = Vector3::new(5.3e-3, -before, height);
         let hinge = "root_joint: Supported(translations: (Held, Held, Held), \
@@ -61,21 +66,27 @@ fn a_strip_rests_on_the_ridge_of_another() {
             strip(Vector3::zeros(), "x", lower, ""),
             strip(root, "y", upper, &drawn)
         ));
-        run.steps(30);
+        // What is pressed so hard moves by a fiftieth of its way to where it rests in each.
+        run.steps(600);
         let contacts: Vec<_> = run.world.contacts().collect();
         let [contact] = contacts[..] else { panic!("one contact: {contacts:?}") };
-        let expected = -up * (pull * (before + after) / (before + ridge.y));
+        let force = pull * (before + after) / (before + ridge.y);
+        let expected = -up * force;
+        // Bent by no more than this angle, rad, which moves places by so much at the flattest.
+        let bent = force * 0.01_f64.powi(2) / (2.0 * 1e12 * PI / 4.0 * THIN.powi(3) * WIDE);
+        let moved = bent * WIDE * WIDE / THIN;
+        println!("{lower} {upper}: {:?} for {expected:?} N at {:?}", contact.force, contact.at);
+        let open = (bent + moved / before) * force;
+        assert!((contact.force - expected).norm() < open, "{:?}", contact.force);
         let places = contact.at.map(|at| at * 2e-3);
-        println!("{lower} {upper}: {:?} for {expected:?} N at {places:?}", contact.force);
-        assert!((contact.force - expected).norm() < 1e-4 * pull, "{:?}", contact.force);
-        let [x, y] = [root.x + aside, before + ridge.y];
-        assert!((places[0] - x).abs() < 1e-4 * THIN, "{} of {x}", places[0]);
-        assert!((places[1] - y).abs() < 1e-4 * THIN, "{} of {y}", places[1]);
-        assert!((contact.lever - ridge).norm() < 1e-4 * WIDE, "{} of {ridge}", contact.lever);
-        // The axes where they cross, which stay as straight as that.
-        let [under, over] = [0, 1].map(|fiber| run.positions(fiber)[2].coords);
-        let gap = (over - under).z - height + 1e-9;
-        assert!(gap.abs() < 1e-4 * 2.0 * (THIN * WIDE).sqrt(), "{gap}");
+        for (place, own) in places.into_iter().zip([root.x + below.x, before + ridge.y]) {
+            assert!((place - own).abs() < moved, "{place} of {own}");
+        }
+        assert!((contact.lever - ridge).norm() < moved, "{} of {ridge}", contact.lever);
+        let axes = [0, 1].map(|fiber| axis(&run.positions(fiber), contact.at[fiber]));
+        let gap = (axes[1] - axes[0]).z - ridge.z + below.z;
+        let depth = 1e-4 * 2.0 * (THIN * WIDE).sqrt();
+        assert!(gap.abs() < depth + bent * moved + bent * WIDE, "{gap}");
     }
 }
 
@@ -86,7 +97,7 @@ fn a_strip_leans_on_one_beside_it() {
     let pull = 1e-5;
     for angle in [0.3_f64, -0.5, 1.0] {
         let normal = Vector3::new(0.0, angle.sin(), angle.cos());
-        let lean = std::f64::consts::FRAC_PI_4;
+        let lean = FRAC_PI_4;
         let [under, over] = [touched(0.0, &normal), touched(lean, &-normal)];
         let case = |gap: f64, pull: f64| {
             let force = normal * -pull;
@@ -125,7 +136,7 @@ fn an_ellipse_rolls_down_rails_of_strips() {
     let rail = |y: f64| {
         format!(
             "(length: 0.016, segments: 8, section: Ellipse(a: {THIN:?}, b: {WIDE:?}),
-                damping_time: 1e-3, tip: Led(motion: Fixed, joint: Clamped),
+                damping_time: 1e-3,
                 material: Elastic(density: 1000, youngs_modulus: 1e12, shear_modulus: 4e11),
                 root: (position: (-3e-3, {y:?}, 0), orientation: Along(direction: (1, 0, 0),
                     roll: {:?})))",
