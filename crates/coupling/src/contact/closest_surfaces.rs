@@ -1,13 +1,15 @@
 //! Where two segments with elliptic sections come closest.
 //!
 //! Such a segment is the sum of its axis and of an ellipsoid, which has the section across the axis
-//! and ends in half of itself. A plane across the unit normal `n` touches an ellipsoid at the height
-//! `h(n)`. With the offset `D(s, t)` from the first axis to the second at the fractions `s` and `t`,
-//! the surfaces are apart by `n . D - h1(n) - h2(n)`, where that is greatest over `n`, and that is
-//! least over `s` and `t`; it is convex in these. Where they are in each other it is the depth.
+//! and ends in half of itself. A plane across the unit normal `n` touches an ellipsoid at the
+//! height `h(n)`. With the offset `D(s, t)` from the first axis to the second at the fractions `s`
+//! and `t`, the surfaces are apart by `n . D - h1(n) - h2(n)`, where that is greatest over `n`, and
+//! that is least over `s` and `t`; it is convex in these. Where they are in each other it is the
+//! depth.
 //!
-//! Between the ends of both axes the normal is across both. At an end of one it is across the other,
-//! and is found as that of two ellipses, or of two ellipsoids where the place is an end of both.
+//! Between the ends of both axes the normal is across both. At an end of one it is across the
+//! other, and is found as that of two ellipses, or of two ellipsoids where the place is an end of
+//! both.
 
 use nalgebra::{Matrix2, Matrix3, Matrix3x2, Point3, Vector3};
 
@@ -52,9 +54,9 @@ pub(super) struct FacingPlace {
 pub(super) struct SegmentPair(pub(super) [EllipticSegment; 2]);
 
 impl SegmentPair {
-    /// Where the surfaces come closest, from where the axes do. Of parallel axes, which are as close
-    /// along a way, the fraction along the shorter stays; and so does all where the two are so deep
-    /// in each other that no place is the shallowest.
+    /// Where the surfaces come closest, from where the axes do. Of parallel axes, which are as
+    /// close along a way, the fraction along the shorter stays; and so does all where the two are
+    /// so deep in each other that no place is the shallowest.
     pub(super) fn closest(&self, axes: &FacingPlace) -> FacingPlace {
         let [first, second] = self.axes().map(|axis| axis.norm());
         let Some(crossing) = self.crossing(&axes.normal) else {
@@ -124,8 +126,8 @@ impl SegmentPair {
         FacingPlace { fractions, normal: sum.outward(&self.offset(fractions), normal) }
     }
 
-    /// Where the surfaces come closest, with the fraction of one side, if the other, which is `along`
-    /// a unit vector, went on beyond its ends; and whether that is between these.
+    /// Where the surfaces come closest, with the fraction of one side, if the other, which is
+    /// `along` a unit vector, went on beyond its ends; and whether that is between these.
     fn across(
         &self,
         other: usize,
@@ -146,8 +148,8 @@ impl SegmentPair {
         (FacingPlace { fractions, normal }, fractions[other] == way)
     }
 
-    /// Distance of the planes that touch the two across a normal, m; negative where they are in each
-    /// other.
+    /// Distance of the planes that touch the two across a normal, m; negative where they are in
+    /// each other.
     pub(super) fn separation(&self, place: &FacingPlace) -> f64 {
         separation(&self.offset(place.fractions), &self.shapes(), &place.normal)
     }
@@ -161,8 +163,9 @@ impl SegmentPair {
         self.separation(&FacingPlace { fractions: [0.0; 2], normal: *normal }) + nearest - farthest
     }
 
-    /// Whether the two are apart at a place, or less deep in each other than any radius of curvature:
-    /// where planes touch them at places that face each other there is no shallower one then.
+    /// Whether the two are apart at a place, or less deep in each other than any radius of
+    /// curvature: where planes touch them at places that face each other there is no shallower one
+    /// then.
     fn is_shallow(&self, place: &FacingPlace) -> bool {
         self.separation(place) > -self.sharpest()
     }
@@ -173,15 +176,15 @@ impl SegmentPair {
         let [first, second] = self.axes();
         let across = first.cross(&second);
         let squared = across.norm_squared();
-        if !(squared > PARALLEL * first.norm_squared() * second.norm_squared()) {
-            return None;
-        }
-        let side = if across.dot(normal) < 0.0 { -1.0 } else { 1.0 };
-        let normal = across * (side / squared.sqrt());
-        // From one surface to the other is along the normal.
-        let aside = self.offset([0.0; 2]) - reach(&self.shapes(), &normal);
-        let fractions = [second, first].map(|other| aside.cross(&other).dot(&across) / squared);
-        Some(FacingPlace { fractions, normal })
+        let parallel = PARALLEL * first.norm_squared() * second.norm_squared();
+        (squared > parallel).then(|| {
+            let side = if across.dot(normal) < 0.0 { -1.0 } else { 1.0 };
+            let normal = across * (side / squared.sqrt());
+            // From one surface to the other is along the normal.
+            let aside = self.offset([0.0; 2]) - reach(&self.shapes(), &normal);
+            let fractions = [second, first].map(|other| aside.cross(&other).dot(&across) / squared);
+            FacingPlace { fractions, normal }
+        })
     }
 
     /// From the first axis to the second, at fractions along them, m.
@@ -245,9 +248,9 @@ impl EllipsoidSum {
     /// The unit normal across which a place is farthest outside; of a place inside one where it is
     /// less deep than for normals nearby. It is sought from a `start`.
     ///
-    /// Only one normal has the place outside or less deep than the least radius of curvature, and no
-    /// other place on the surface faces it. Uphill from any that has it so the search finds that one.
-    /// Where it does not, it comes from afar, in steps that keep the place so.
+    /// Only one normal has the place outside or less deep than the least radius of curvature, and
+    /// no other place on the surface faces it. Uphill from any that has it so the search finds that
+    /// one. Where it does not, it comes from afar, in steps that keep the place so.
     fn outward(&self, place: &Vector3<f64>, start: &Vector3<f64>) -> Vector3<f64> {
         let outside =
             |at: &Vector3<f64>, normal: &Vector3<f64>| separation(at, &self.shapes, normal);

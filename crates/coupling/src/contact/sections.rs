@@ -1,16 +1,15 @@
 //! Flat sections, by which fibres touch where their surfaces are.
 //!
-//! Detection sees a fibre as a tube as wide as the longest semi-axis of its section, and finds
-//! all that may touch. Where two fibres do, the places along both and the normal become those where
+//! Detection sees a fibre as a tube as wide as the longest semi-axis of its section, and finds all
+//! that may touch. Where two fibres do, the places along both and the normal become those where
 //! their surfaces are closest (`closest_surfaces`). Each contact point is then moved to where a
-//! plane across its normal touches the section: of an ellipse with the semi-axes `a` and `b` that is
-//! at the height `h = sqrt(a^2 u1^2 + b^2 u2^2)` in the direction `u`, and aside. Of two fibres that
-//! is exact, but where one is met on its way; at an object it is as far as this is flat.
+//! plane across its normal touches the section: of an ellipse with the semi-axes `a` and `b` that
+//! is at the height `h = sqrt(a^2 u1^2 + b^2 u2^2)` in the direction `u`, and aside. Of two fibres
+//! that is exact, but where one is met on its way; at an object it is as far as this is flat.
 //!
 //! A section that is pressed rocks about the place where it lies flat, the faster the harder it is
-//! pressed, and its places follow from list to list, not within a solve. They follow as far as a
-//! step of backward Euler would let them: what is listed is where the section has turned to under
-//! the moments of the step before, and other moments turn it elsewhere.
+//! pressed, and its places follow from list to list, not within a solve. They follow no faster than
+//! a step can.
 
 use super::closest_surfaces::{EllipticSegment, FacingPlace, SegmentPair, touched};
 use super::warm_start::ExpectedImpulses;
@@ -120,8 +119,9 @@ impl OrientedSections<'_> {
         })))
     }
 
-    /// Contacts of axes, of each pair the closest before those beside it, where the surfaces of flat
-    /// fibres are closest: with the places and normals of these, and with the gaps of tubes there.
+    /// Contacts of axes, of each pair the closest before those beside it, where the surfaces of
+    /// flat fibres are closest: with the places and normals of these, and with the gaps of tubes
+    /// there.
     pub(crate) fn closest<'c>(
         &self,
         end: &Capsules,
@@ -157,10 +157,11 @@ impl OrientedSections<'_> {
         squared: f64,
         normal: &Vector3<f64>,
     ) -> f64 {
-        let [first, second] = pair.map(|segment| end.get(segment as usize));
         let Some(flat) = self.flat_pair(end, pair) else {
-            return squared.sqrt() - normal.dot(&(normal * second.radius + normal * first.radius));
+            let [first, second] = pair.map(|segment| self.shapes.radii[segment as usize]);
+            return squared.sqrt() - normal.dot(&(normal * second + normal * first));
         };
+        let [first, second] = pair.map(|segment| end.get(segment as usize));
         let closest = first.closest(&second);
         let normal = closest.offset.try_normalize(0.0).unwrap_or(-normal);
         flat.separation(&flat.closest(&FacingPlace { fractions: closest.fractions, normal }))
@@ -173,9 +174,7 @@ impl OrientedSections<'_> {
         }
         points.par_iter_mut().for_each(|point| {
             for side in 0..2 {
-                let BodyRef::Fiber(fiber) = point.sides[side] else { continue };
-                let first = layout.segment_range(fiber as usize).start;
-                let segment = first + point.segments[side] as usize;
+                let Some(segment) = segment(layout, point, side) else { continue };
                 let towards = if side == 0 { -point.normal } else { point.normal };
                 let place = self.support(segment, &towards);
                 point.gap += self.shapes.radii[segment] - place.dot(&towards);
@@ -184,10 +183,15 @@ impl OrientedSections<'_> {
         });
     }
 
-    /// Moves places that bear something in a step of `dt` seconds back towards where they bore it in
-    /// the step before: a moment that acts aside by `x` turns a section within the step so far that
-    /// the place moves by so many `times` of `x`. The list is of where the section turns to if it is
-    /// pressed where it was; where it is pressed if that is where it turns to is nearer to that.
+    /// Moves places that bear something so that no section rocks faster than a step of `dt` seconds
+    /// can follow: a moment that acts aside by `x` turns a free section within the step so far that
+    /// the place moves by so many `times` of `x`.
+    ///
+    /// Listed places are those of sections that turn as they do if they are pressed where they were
+    /// in the step before. Pressed where it ends, a place goes `1 / (1 + times)` of the way from
+    /// there to the listed one: between fibres it has this part, as backward Euler does. What else
+    /// holds a section lets its place come to rest in more steps, but where it is listed. On an
+    /// object a place has this part of the way from below the axis, and bears too little moment.
     pub(crate) fn settle(
         &self,
         layout: &Layout,
@@ -198,28 +202,40 @@ impl OrientedSections<'_> {
         if self.directors.is_empty() {
             return;
         }
+        // All that rests on a segment turns it.
+        let mut pressed = vec![0.0; self.shapes.radii.len()];
+        for point in points.iter() {
+            let push = point.impulse.dot(&point.normal).abs();
+            let sides = [0, 1].into_iter().filter_map(|side| segment(layout, point, side));
+            sides.for_each(|segment| pressed[segment] += push);
+        }
         let bears = |point: &&mut ContactPoint| point.impulse != Vector3::zeros();
         points.par_iter_mut().filter(bears).for_each(|point| {
-            let Some(before) = expected.nearest(point) else { return };
+            let before = expected.nearest(point);
             for side in 0..2 {
-                let BodyRef::Fiber(fiber) = point.sides[side] else { continue };
-                let first = layout.segment_range(fiber as usize).start;
-                let segment = first + point.segments[side] as usize;
+                let Some(segment) = segment(layout, point, side) else { continue };
+                let place = point.offsets[side];
+                let height = point.normal * place.dot(&point.normal);
+                let (rest, pressed) = if point.sides[1 - side].is_object() {
+                    (height, point.impulse.dot(&point.normal).abs())
+                } else {
+                    let Some(before) = before.map(|before| before.offset(side)) else { continue };
+                    let aside = before - point.normal * before.dot(&point.normal);
+                    (height + aside, pressed[segment])
+                };
                 let [a, b] = self.shapes.semi_axes[segment];
-                let (place, before) = (point.offsets[side], before.offset(side));
-                if place.dot(&before) <= 0.0 {
-                    continue;
-                }
-                let height = place.dot(&point.normal).abs();
-                let roll = (a * a - b * b).abs() / height.max(a.min(b));
-                let pressed = point.impulse.dot(&point.normal).abs();
+                let roll = (a * a - b * b).abs() / height.norm().max(a.min(b));
                 let times = pressed * dt * roll / self.shapes.inertias[segment];
-                let back = before - place;
-                let aside = back - point.normal * point.normal.dot(&back);
-                point.seat(side, place + aside * (times / (1.0 + times)));
+                point.seat(side, rest + (place - rest) / (1.0 + times));
             }
         });
     }
+}
+
+/// The segment of all that a side of a contact point is on, if that is a fibre.
+fn segment(layout: &Layout, point: &ContactPoint, side: usize) -> Option<usize> {
+    let BodyRef::Fiber(fiber) = point.sides[side] else { return None };
+    Some(layout.segment_range(fiber as usize).start + point.segments[side] as usize)
 }
 
 #[cfg(test)]
@@ -233,10 +249,9 @@ mod tests {
     const LENGTH: f64 = 3e-3;
 
     proptest! {
-        /// Of four fibres of a segment two are round. Pairs of these stay as they are; of others the
-        /// nearest contact has the gap of the surfaces, once it is where they are, which is none
-        /// that is less than that of tubes within them, and none that is more than that of flat ones
-        /// that lie on their sides.
+        /// Of four fibres of a segment two are round. The pair of these stays as it is; the nearest
+        /// contact of others has the gap of their surfaces. These have tubes within them, and are
+        /// within those around them.
         #[test]
         fn flat_fibers_touch_with_their_surfaces(
             nodes in prop::array::uniform8(prop::array::uniform3(-1.0..1.0_f64)),
@@ -273,8 +288,9 @@ mod tests {
                 let Some(contact) = moved.first() else { continue };
                 let normal = -*contact.normal;
                 let gap = sections.gap(&end, pair, squared[0], &normal);
-                let support = |s: u32, towards: &Vector3<f64>| sections.support(s as usize, towards);
-                let heights = normal.dot(&(support(pair[1], &normal) - support(pair[0], &-normal)));
+                let [first, second] = pair.map(|segment| segment as usize);
+                let far = sections.support(second, &normal) - sections.support(first, &-normal);
+                let heights = normal.dot(&far);
                 let own = contact.gap + 2.0 * RADIUS - heights;
                 prop_assert!((own - gap).abs() < 1e-9 * LENGTH, "{own} of {gap}");
                 let heights = pair.map(|s| sections.shapes.height(s as usize)).iter().sum::<f64>();

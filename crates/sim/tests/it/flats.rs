@@ -10,8 +10,8 @@ const THIN: f64 = 1e-4;
 const WIDE: f64 = 3e-4;
 
 /// Of a strip along x whose wide side is turned about x, from y to z, by an angle, rad: where a
-/// plane across a direction touches it, m from its axis. The radius vector to where the normal of an
-/// ellipse has a given direction, in closed form.
+/// plane across a direction touches it, m from its axis. The radius vector to where the normal of
+/// an ellipse has a given direction, in closed form.
 fn touched(angle: f64, towards: &Vector3<f64>) -> Vector3<f64> {
     let wide = Vector3::new(0.0, angle.cos(), angle.sin());
     let thin = Vector3::new(0.0, -angle.sin(), angle.cos());
@@ -19,11 +19,11 @@ fn touched(angle: f64, towards: &Vector3<f64>) -> Vector3<f64> {
     (wide * (WIDE * u) + thin * (THIN * v)) / u.hypot(v)
 }
 
-/// A strip of a stiff material from a root along x or y, which the text says, turned about itself by
-/// an angle, rad; `more` of it.
+/// A strip of a stiff material from a root along x or y, which the text says, turned about itself
+/// by an angle, rad; `more` of it.
 fn strip(root: Vector3<f64>, along: &str, angle: f64, more: &str) -> String {
-    // The frame at a root along x has d1 downward, and turning that lifts d2, which is along y; along
-    // y it has d2 downward.
+    // The frame at a root along x has d1 downward, and turning that lifts d2, which is along y;
+    // along y it has d2 downward.
     let (a, b) = if along == "x" { (THIN, WIDE) } else { (WIDE, THIN) };
     let direction = if along == "x" { "(1, 0, 0)" } else { "(0, 1, 0)" };
     let (x, y, z) = (root.x, root.y, root.z);
@@ -43,8 +43,8 @@ fn axis(nodes: &[Point3<f64>], at: f64) -> Point3<f64> {
 }
 
 /// A strip that lies across another one, which is turned about its axis, is hinged at its root and
-/// drawn down at its tip. It is borne where the ridge of the lower one is, aside of its axis: by the
-/// law of levers the force tells where.
+/// drawn down at its tip. It is borne where the ridge of the lower one is, aside of its axis: by
+/// the law of levers the force tells where.
 #[test]
 fn a_strip_rests_on_the_ridge_of_another() {
     let (pull, before, after) = (1e-4, 3.1e-3, 6.9e-3);

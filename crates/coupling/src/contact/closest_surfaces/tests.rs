@@ -73,7 +73,10 @@ fn directions(count: u32) -> impl Iterator<Item = Vector3<f64>> {
 /// Poses of all kinds: parallel, crossed, end to end, points.
 fn pair() -> impl Strategy<Value = SegmentPair> {
     let place = || prop::array::uniform3(prop_oneof![(-2..=2_i8).prop_map(f64::from), -3.0..3.0]);
-    let axis = || prop_oneof![8 => (unit(), 0.1..50.0_f64).prop_map(|(d, l)| d * l), 1 => Just(Vector3::zeros())];
+    let axis = || {
+        let some = (unit(), 0.1..50.0_f64).prop_map(|(direction, length)| direction * length);
+        prop_oneof![8 => some, 1 => Just(Vector3::zeros())]
+    };
     let turned = prop_oneof![
         2 => axis().prop_map(|axis| (axis, 1.0)),
         1 => axis().prop_map(|axis| (axis, 0.0)),
@@ -119,7 +122,8 @@ proptest! {
             let along = aside * turns[side].cos() + normal.cross(&aside) * turns[side].sin();
             (along + normal * away).normalize() * lengths[side]
         };
-        let [first, second] = [0, 1].map(|side| segment(Vector3::zeros(), axis(side), sections[side]));
+        let [first, second] =
+            [0, 1].map(|side| segment(Vector3::zeros(), axis(side), sections[side]));
         let gap = if gap < 0.0 { 0.9 * gap * (first.sharpest + second.sharpest) } else { gap };
         let fractions = kinds.map(|kind| kind.0);
         let mut pair = SegmentPair([first, second]);
@@ -127,8 +131,10 @@ proptest! {
         pair.0[1].start += normal * gap - between(&pair, &place);
         let found = pair.closest(&of_axes(&pair));
         let separation = pair.separation(&found);
-        prop_assert!((separation - gap).abs() < ROUNDING, "{separation} of {gap}, {found:?} of {place:?}");
-        prop_assert!((between(&pair, &found) - gap * found.normal).norm() < 1e-6, "{found:?}");
+        prop_assert!((separation - gap).abs() < ROUNDING, "{separation} of {gap}, {found:?}");
+        // By how much places move where they are flattest, with a radius of curvature of 100 each.
+        let open = LAST_STEP * 2.0 * 100.0;
+        prop_assert!((between(&pair, &found) - gap * found.normal).norm() < open, "{found:?}");
     }
 
     /// In any pose no plane parts two that are said to be in each other, and what is said of others
@@ -153,7 +159,11 @@ proptest! {
 
     /// Of the places that have a fraction along one side none is closer.
     #[test]
-    fn a_place_beside_is_the_closest_there(pair in pair(), side in 0..2_usize, fraction in 0.0..1.0) {
+    fn a_place_beside_is_the_closest_there(
+        pair in pair(),
+        side in 0..2_usize,
+        fraction in 0.0..1.0_f64,
+    ) {
         let found = pair.beside(side, fraction, &of_axes(&pair).normal);
         let separation = pair.separation(&found);
         prop_assert_eq!(found.fractions[side], fraction);
@@ -175,7 +185,8 @@ proptest! {
         let places = [&pair, &turned].map(|pair| pair.closest(&of_axes(pair)));
         let [one, other] = [pair.separation(&places[0]), turned.separation(&places[1])];
         let level = pair.level(&places[0]);
-        prop_assert!(one < 0.0 && other < 0.0 || (one - other).abs() < 2.0 * level, "{one}, {other}");
+        let overlap = one < 0.0 && other < 0.0;
+        prop_assert!(overlap || (one - other).abs() < 2.0 * level, "{one}, {other}");
     }
 
     /// Round ones are as far from each other as their axes, less their radii.
