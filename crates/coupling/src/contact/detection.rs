@@ -166,8 +166,9 @@ impl ContactDetector {
         let near = by_fibers(end.layout(), chosen(&end, near, &fast));
         let most = if self.holds { f64::MAX } else { margin };
         let same = |a: &Pair, b: &Pair| same_fibers(end.layout(), a, b);
-        let chosen =
-            |found: &[CapsuleContact], stay: &mut Vec<CapsuleContact>| places(&end, found, stay);
+        let chosen = |found: &[CapsuleContact], stay: &mut Vec<CapsuleContact>| {
+            places(&end, &motion.sections.closest(&end, found), stay);
+        };
         let mut contacts = Vec::new();
         contacts_of_groups(&end, &near, most, same, chosen, &mut contacts)?;
         drop(near);
@@ -284,8 +285,7 @@ pub(crate) fn gaps(
         }
         squared_distances(&end, &pairs, &mut squared);
         for ((place, pair), squared) in places.into_iter().zip(pairs).zip(squared) {
-            let heights = motion.sections.heights(pair.map(|s| s as usize), &points[place].normal);
-            gaps[place] = squared.sqrt() - heights;
+            gaps[place] = motion.sections.gap(&end, pair, squared, &points[place].normal);
         }
     };
     let mut gaps = vec![f64::INFINITY; points.len()];

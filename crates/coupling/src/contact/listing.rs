@@ -82,7 +82,7 @@ impl ContactStepper {
         let held = HeldPlaces { places: &held, slack: HELD * self.depth() };
         self.detector.detect(&motion, system.objects, &held, &mut points)?;
         match_cached(expected, &mut points);
-        motion.sections.settle(motion.layout, part.dt, &mut points);
+        motion.sections.settle(motion.layout, part.dt, expected, &mut points);
         laps.lap(&mut self.times.detection);
         Ok(points)
     }

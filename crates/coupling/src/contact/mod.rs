@@ -39,6 +39,7 @@
 
 mod adhesive_film;
 mod ball_joints;
+mod closest_surfaces;
 mod contact_work;
 mod delassus;
 mod detection;

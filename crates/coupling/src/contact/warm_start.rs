@@ -74,6 +74,11 @@ const CACHED_NUMBERS: usize = 25;
 const LISTED: usize = 4096;
 
 impl CachedImpulse {
+    /// From the axis of a side that is a fibre to where it was touched, m, world.
+    pub(crate) fn offset(&self, side: usize) -> Vector3<f64> {
+        self.push.levers[side] - self.lean
+    }
+
     fn numbers(&self) -> [f64; CACHED_NUMBERS] {
         let ContactImpulse { sides, segments, fractions, levers: [a, b], impulse, .. } = self.push;
         let [(p, i), (q, j)] = sides.map(|side| match side {
@@ -192,6 +197,15 @@ impl ExpectedImpulses<'_> {
             }
             _ => None,
         })
+    }
+
+    /// The contact of the same pair that is nearest to a contact point, if it may be the same.
+    pub(crate) fn nearest(&self, point: &ContactPoint) -> Option<&CachedImpulse> {
+        let first = self.known.partition_point(|one| one.push.sides < point.sides);
+        let of_pair = self.known[first..].iter().take_while(|one| one.push.sides == point.sides);
+        let both = of_pair.map(|one| (point.apart(one.push.at()), one));
+        let nearest = both.min_by(|a, b| a.0.total_cmp(&b.0));
+        nearest.filter(|(apart, _)| *apart < REACH).map(|(_, one)| one)
     }
 
     pub(crate) fn pushes(&self) -> impl Iterator<Item = ContactImpulse> + Clone {

@@ -16,6 +16,7 @@ mod crossing;
 mod drum;
 mod ends;
 mod feed;
+mod flats;
 mod greenhill;
 mod grippers;
 mod grooms;
