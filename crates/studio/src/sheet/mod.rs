@@ -5,6 +5,7 @@ mod grid;
 mod paint;
 mod raster;
 mod rose;
+mod shade;
 #[cfg(test)]
 mod tests;
 mod view;
@@ -14,10 +15,11 @@ use crate::canvas::{Canvas, Color};
 pub use frame::{PreviewFrame, Support};
 use grid::{CAPTION, SheetGrid};
 use nalgebra::{Vector2, Vector3};
-use paint::{FEW, PAPER};
+use paint::FEW;
 use rapunzel_export::ExportError;
 use rapunzel_export::surface::{self, Placed};
 use raster::Raster;
+use shade::PAPER;
 use std::io::Write;
 use view::View;
 

@@ -1,8 +1,8 @@
 //! Fibres and surfaces as a picture shows them: what is nearest at the corners of its pixels.
 
 use super::frame::Line;
-use super::grid::SheetGrid;
-use super::paint::{PAPER, fiber_color, hazy, surface_color, whole};
+use super::grid::{SheetGrid, whole};
+use super::shade::{PAPER, fiber_color, hazy, surface_color};
 use super::view::View;
 use crate::StudioError;
 use crate::canvas::Color;
@@ -20,7 +20,7 @@ const BAND: usize = 32;
 /// none.
 const OVERLAP: f64 = 1e-6;
 /// Squared sine of the angle with the direction of sight below which nothing of a segment is seen:
-/// tubes are open at their ends.
+/// segments are open at their ends.
 const ALONG: f64 = 1e-12;
 
 /// What is seen at the corners of all pixels, row by row.
@@ -30,12 +30,12 @@ pub(super) struct Raster {
     width: usize,
     /// Pixels per metre.
     scale: f64,
-    corners: Vec<Corner>,
+    corners: Vec<SeenCorner>,
 }
 
 /// What is seen at a corner.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Corner {
+struct SeenCorner {
     /// How far it is behind the near side of the view, m; infinitely on paper.
     depth: f64,
     color: Color,
@@ -65,21 +65,22 @@ impl Raster {
 
     /// Draws fibres, not thinner than a `least` radius, m, where nothing is before them.
     pub(super) fn draw(&mut self, lines: &[Line], view: &View, least: f64) {
-        let tubes_of = |line: &Line| {
+        let segments_of = |line: &Line| {
             let radii = line.radii.iter().map(|radius| f64::from(*radius).max(least));
             let nodes: Vec<_> = line.points().zip(radii).collect();
-            let tubes = nodes.windows(2).filter_map(|ends| Tube::new([ends[0], ends[1]], view));
-            tubes.collect::<Vec<_>>()
+            let segments =
+                nodes.windows(2).filter_map(|ends| SeenSegment::new([ends[0], ends[1]], view));
+            segments.collect::<Vec<_>>()
         };
-        let tubes: Vec<Tube> = lines.par_iter().flat_map_iter(tubes_of).collect();
+        let segments: Vec<SeenSegment> = lines.par_iter().flat_map_iter(segments_of).collect();
         let (width, scale) = (self.width, self.scale);
         let bands = self.corners.par_chunks_mut(BAND * width).enumerate();
         bands.for_each(|(band, corners)| {
-            for tube in &tubes {
-                let rows = tube.rows(scale, band * BAND..band * BAND + corners.len() / width);
+            for segment in &segments {
+                let rows = segment.rows(scale, band * BAND..band * BAND + corners.len() / width);
                 for y in rows {
                     let row = &mut corners[(y - band * BAND) * width..][..width];
-                    tube.draw(y as f64 / scale, scale, view, row);
+                    segment.draw(y as f64 / scale, scale, view, row);
                 }
             }
         });
@@ -99,7 +100,7 @@ impl Raster {
 }
 
 /// What is seen of surfaces at a place in the picture, m from its upper left corner.
-fn surface_at(meshes: &[TriangleMesh], view: &View, place: [f64; 2]) -> Corner {
+fn surface_at(meshes: &[TriangleMesh], view: &View, place: [f64; 2]) -> SeenCorner {
     // Rays begin before all that is in the view.
     let before = view.size[0].max(view.size[1]);
     let (origin, direction) = view.ray(place, before);
@@ -111,12 +112,12 @@ fn surface_at(meshes: &[TriangleMesh], view: &View, place: [f64; 2]) -> Corner {
             color = surface_color(&mesh.at(&ray, &hit).normal, view);
         }
     }
-    Corner { depth: end - before, color }
+    SeenCorner { depth: end - before, color }
 }
 
 /// A segment of a fibre in the coordinates of a view, m: all points in the normal planes of its
 /// axis that are one radius away from it, which changes evenly along it.
-struct Tube {
+struct SeenSegment {
     start: Vector3<f64>,
     axis: Vector3<f64>,
     /// Of the squared length, 1/m^2.
@@ -127,7 +128,7 @@ struct Tube {
     color: Color,
 }
 
-impl Tube {
+impl SeenSegment {
     /// The segment between two nodes (world, m) with their radii, m; none if it has no length, or
     /// if it is seen from its end.
     fn new([(p, r), (q, end)]: [(Point3<f64>, f64); 2], view: &View) -> Option<Self> {
@@ -135,15 +136,15 @@ impl Tube {
         let (start, color) = (view.coordinates(&p), fiber_color(&tangent, view));
         let axis = view.coordinates(&q) - start;
         let (inverse, growth) = (1.0 / axis.norm_squared(), end - r);
-        let tube = Self { start, axis, inverse, radius: r, growth, color };
-        (inverse.is_finite() && tube.steepness() > ALONG).then_some(tube)
+        let segment = Self { start, axis, inverse, radius: r, growth, color };
+        (inverse.is_finite() && segment.steepness() > ALONG).then_some(segment)
     }
 
     fn widest(&self) -> f64 {
         self.radius + self.growth.max(0.0)
     }
 
-    /// Coefficient of the square of a depth in the equation of the tube.
+    /// Coefficient of the square of a depth in the equation of the segment.
     fn steepness(&self) -> f64 {
         let slope = self.axis.z * self.inverse;
         1.0 - slope * self.axis.z - (self.growth * slope).powi(2)
@@ -156,7 +157,7 @@ impl Tube {
     }
 
     /// Draws it into the row of corners at `y`, m, which are `scale` per metre.
-    fn draw(&self, y: f64, scale: f64, view: &View, row: &mut [Corner]) {
+    fn draw(&self, y: f64, scale: f64, view: &View, row: &mut [SeenCorner]) {
         let Self { start, axis, inverse, radius, growth, color } = *self;
         let wide = self.widest();
         // The part of the axis that is near the row.
@@ -182,7 +183,7 @@ impl Tube {
             let along = (q + z * axis.z) * inverse;
             let depth = start.z + z;
             if (-OVERLAP..=1.0 + OVERLAP).contains(&along) && depth < row[x].depth {
-                row[x] = Corner { depth, color: hazy(color, view.haze(depth)) };
+                row[x] = SeenCorner { depth, color: hazy(color, view.haze(depth)) };
             }
         }
     }
@@ -207,7 +208,7 @@ mod tests {
         numbers.skip(1).map(|x| (x >> 8) as f32 / 8_388_608.0 - 1.0)
     }
 
-    /// Every corner shows what a ray finds among the same tubes: at random, tapered, of one point,
+    /// Every corner shows what a ray finds among the same segments: at random, tapered, of one point,
     /// along an axis of the picture, and along the direction of sight.
     #[test]
     fn corners_show_what_rays_find() {
