@@ -101,7 +101,7 @@ fn checkpoint(data: &[u8]) -> Result<(), SimError> {
     let scene = Scene::from_ron(include_str!("../seeds/scene.ron"))?;
     let _ = fs::remove_dir_all(&path);
     let mut run_folder = RunFolder::open(&path, Existing::Refuse)?;
-    let head = b"RAPUNZEL\x07\0\0\0";
+    let head = b"RAPUNZEL\x08\0\0\0";
     let file = [&head[..], blake3::hash(data).as_bytes(), data].concat();
     fs::write(path.join("checkpoint.bin"), file).expect("written");
     let cancel = Cancel::new();

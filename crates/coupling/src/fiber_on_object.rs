@@ -4,6 +4,7 @@ use crate::TimeInterval;
 use crate::body_ref::BodyRef;
 use crate::contact_point::ContactPoint;
 use crate::held_places::HeldPlaces;
+use crate::known_values::KnownValue;
 use crate::object::{CollisionObject, ObjectMotion};
 use nalgebra::{Point3, Vector3};
 use rapunzel_collision::Capsule;
@@ -22,8 +23,8 @@ const BLOCK: usize = 8;
 /// A node in the frame of an object after a step.
 struct NodeByObject {
     place: Point3<f64>,
-    /// Value of the object's field there, m.
-    value: f64,
+    /// Lower bound of the object's field there, m; no number where nothing is known.
+    least: f64,
     /// Square of how far it has gone in that frame, m^2.
     squared_way: f64,
 }
@@ -86,11 +87,13 @@ fn at_ends(
 
 impl CollisionObject {
     /// Appends where a fibre touches the object after a step, with gaps up to `margin`, m, or would
-    /// have passed into it on the way.
+    /// have passed into it on the way. What is `known` of the field at the nodes is used and
+    /// renewed.
     pub(crate) fn contact_points(
         &self,
         index: u32,
         strand: &MovingFiber,
+        known: &mut [KnownValue],
         step: TimeInterval,
         margin: f64,
         found: &mut Vec<ContactPoint>,
@@ -119,18 +122,22 @@ impl CollisionObject {
             ways.clear();
             ways.extend(block.clone().map(squared_way));
             // What one node tells of all that is not farther from it.
-            let middle = &strand.end[first + radii.len() / 2];
+            let at_middle = first + radii.len() / 2;
+            let middle = &strand.end[at_middle];
             let around =
                 strand.end[block.clone()].iter().map(|node| (node - middle).norm_squared());
             let around = around.fold(0.0, larger).sqrt();
             let reach = slope * (around + largest(&ways).sqrt()) + largest(radii) + margin;
-            if field.value(&own(middle, 1)) > reach {
+            let (place, there) = (own(middle, 1), &mut known[at_middle]);
+            // Roundings of what is known are far less than what is even.
+            let is_far = there.least_at(&place, slope) > reach + EVEN * largest(radii);
+            if is_far || there.value_at(&place, field) > reach {
                 continue;
             }
             nodes.clear();
-            nodes.extend(strand.end[block].iter().zip(&ways).map(|(node, &squared_way)| {
-                let place = own(node, 1);
-                NodeByObject { place, value: field.value(&place), squared_way }
+            nodes.extend(block.zip(&ways).map(|(node, &squared_way)| {
+                let place = own(&strand.end[node], 1);
+                NodeByObject { place, least: known[node].least_at(&place, slope), squared_way }
             }));
             for (k, &radius) in radii.iter().enumerate() {
                 let s = first + k;
@@ -138,13 +145,18 @@ impl CollisionObject {
                 let (start, end) = (strand.end[s], strand.end[s + 1]);
                 let length = (end - start).norm();
                 let way = larger(ends[0].squared_way, ends[1].squared_way).sqrt();
-                let nearest = 0.5 * (ends[0].value + ends[1].value - slope * length);
                 // No point of other segments is near enough, or was on the way.
                 let reach = slope * way + radius + margin;
-                if nearest > reach {
+                let nearest = |ends: [f64; 2]| 0.5 * (ends[0] + ends[1] - slope * length);
+                if nearest(ends.map(|node| node.least)) > reach + EVEN * radius {
                     continue;
                 }
                 let after = ends.map(|node| node.place);
+                let values = [0, 1].map(|end| known[s + end].value_at(&after[end], field));
+                let nearest = nearest(values);
+                if nearest > reach {
+                    continue;
+                }
                 let nearest = nearest.max(field.least_between(&after[0], &after[1]));
                 if nearest > reach {
                     continue;
@@ -164,7 +176,7 @@ impl CollisionObject {
                     let capsule = Capsule { start: after[0], end: after[1], radius };
                     let search =
                         ContactSearch { margin, spacing: 0.1 * length, tolerance: EVEN * radius };
-                    let ends = ends.map(|node| node.value - radius);
+                    let ends = values.map(|value| value - radius);
                     // A search would find nothing between them that is nearer.
                     let known = nearest - radius >= ends[0].min(ends[1]) - EVEN * radius
                         && is_even(&[], ends, &field, &capsule);
@@ -254,22 +266,29 @@ mod tests {
     /// The contact points of one segment, 3 mm long, whose ends have these gaps above the top of a
     /// shape.
     fn contact_points(field: Field, gaps: [f64; 2], held: HeldPlaces) -> Vec<ContactPoint> {
-        let surface = Soup { vertices: Vec::new(), triangles: Vec::new() };
-        let geometry = ObjectGeometry { field, edge_capsules: Vec::new(), surface, endless: true };
-        let rests = ObjectMotion::Kinematic(Box::new(|_| Isometry3::identity()));
-        let object = CollisionObject::new(geometry, rests, None, None);
+        let object = object(field);
         let [a, b] = gaps.map(|gap| RADIUS + gap);
         let nodes = [Point3::new(-0.5 * LENGTH, 0.0, a), Point3::new(0.5 * LENGTH, 0.0, b)];
         let strand =
             MovingFiber { fiber: 0, start: &nodes, end: &nodes, radii: &[RADIUS], first: 0, held };
-        let mut found = Vec::new();
-        object.contact_points(
-            0,
-            &strand,
-            TimeInterval { start: 0.0, length: 1e-3 },
-            RADIUS,
-            &mut found,
-        );
+        found_at(&object, &strand, &mut [KnownValue::NONE; 2])
+    }
+
+    /// An object at rest.
+    fn object(field: Field) -> CollisionObject {
+        let surface = Soup { vertices: Vec::new(), triangles: Vec::new() };
+        let geometry = ObjectGeometry { field, edge_capsules: Vec::new(), surface, endless: true };
+        let rests = ObjectMotion::Kinematic(Box::new(|_| Isometry3::identity()));
+        CollisionObject::new(geometry, rests, None, None)
+    }
+
+    fn found_at(
+        object: &CollisionObject,
+        strand: &MovingFiber,
+        known: &mut [KnownValue],
+    ) -> Vec<ContactPoint> {
+        let (step, mut found) = (TimeInterval { start: 0.0, length: 1e-3 }, Vec::new());
+        object.contact_points(0, strand, known, step, RADIUS, &mut found);
         found
     }
 
@@ -294,6 +313,45 @@ mod tests {
                 prop_assert!((point.gap - gap).abs() < 1e-15);
             }
         }
+    }
+
+    proptest! {
+        /// What is known from places where a fibre was before changes nothing of what it touches.
+        #[test]
+        fn what_is_known_changes_nothing(
+            places in prop::collection::vec(
+                prop::array::uniform3(prop_oneof![Just(0.0), -1.0..1.0_f64]), 1..12,
+            ),
+            far in prop_oneof![Just(0.0), Just(RADIUS), Just(LENGTH), Just(0.1)],
+        ) {
+            let field: Field = Arc::new(Ball { center: Point3::origin(), radius: 0.1 });
+            let object = object(field);
+            let top = Point3::new(0.0, 0.0, 0.1 + RADIUS);
+            let mut known = [KnownValue::NONE; 12];
+            let mut start = fiber_at(&top);
+            for place in places {
+                let end = fiber_at(&(top + far * Vector3::from(place)));
+                let strand = MovingFiber {
+                    fiber: 0,
+                    start: &start,
+                    end: &end,
+                    radii: &[RADIUS; 11],
+                    first: 0,
+                    held: HeldPlaces::default(),
+                };
+                let places = |known: &mut [KnownValue]| {
+                    let of = |p: &ContactPoint| (p.segments, p.fractions, p.gap, p.normal);
+                    found_at(&object, &strand, known).iter().map(of).collect::<Vec<_>>()
+                };
+                prop_assert_eq!(places(&mut known), places(&mut [KnownValue::NONE; 12]));
+                start = end;
+            }
+        }
+    }
+
+    /// Twelve nodes along x around a point.
+    fn fiber_at(middle: &Point3<f64>) -> [Point3<f64>; 12] {
+        std::array::from_fn(|k| middle + Vector3::new((k as f64 - 5.5) * LENGTH, 0.0, 0.0))
     }
 
     /// On a ball it touches between its ends, and beside that, as it may roll.

@@ -14,6 +14,7 @@ mod free_body;
 mod group;
 mod held_places;
 mod joints;
+mod known_values;
 mod ledger;
 mod merging;
 mod object;

@@ -1,12 +1,13 @@
 use crate::file::{self, LARGEST_MESH};
 use crate::storage::replace;
-use crate::{Scene, SimError, Snapshot, Statistics, style};
-use serde::{Deserialize, Serialize};
+use crate::world::WholeNumbers;
+use crate::{Scene, SimError, Snapshot, Statistics, World, style};
+use serde::Serialize;
 use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
 /// First bytes of a checkpoint: the name and the version of the format.
-const MAGIC: &[u8; 12] = b"RAPUNZEL\x07\0\0\0";
+const MAGIC: &[u8; 12] = b"RAPUNZEL\x08\0\0\0";
 /// Where the rest begins, which is hashed.
 const HEAD: u64 = 12 + 32;
 /// Room for the texts in it.
@@ -17,14 +18,15 @@ const VERSION: &str = env!("CARGO_PKG_VERSION");
 /// Everything from which a run goes on so that its output is the same, byte for byte, as if it had
 /// never stopped.
 ///
-/// The file is the magic number, the BLAKE3 hash of the rest, and the rest: the version of the
-/// program as a length and text, then the checkpoint in postcard's format. What is written may be
-/// the world as it is, without a copy of it.
-#[derive(Debug, Serialize, Deserialize)]
-pub(crate) struct Checkpoint<S = Snapshot> {
+/// The file is the magic number, the BLAKE3 hash of the rest, and the rest: in postcard's format the
+/// version of the program as a length and text, and all that is not the stepper's; then the number of
+/// lists that the stepper has saved, and of each its length and its numbers, all of eight bytes, the
+/// lowest first.
+#[derive(Debug)]
+pub(crate) struct Checkpoint {
     /// Hash of the scene.
     pub(crate) scene: [u8; 32],
-    pub(crate) snapshot: S,
+    pub(crate) snapshot: Snapshot,
     pub(crate) statistics: Statistics,
     /// How far each output has come, in the order of the observers.
     pub(crate) marks: Vec<u64>,
@@ -42,15 +44,22 @@ pub(crate) fn scene_hash(scene: &Scene) -> Result<[u8; 32], SimError> {
     Ok(hasher.finalize().into())
 }
 
-impl<S: Serialize> Checkpoint<S> {
-    /// Writes the checkpoint atomically, without waiting for the disk. It goes through the numbers
-    /// once, and comes back to the head for their hash.
-    pub(crate) fn write(&self, path: &Path) -> Result<(), SimError> {
+impl Checkpoint {
+    /// Writes a checkpoint of a world atomically, without waiting for the disk. It goes through the
+    /// numbers once, and comes back to the head for their hash.
+    pub(crate) fn write(
+        world: &World,
+        scene: [u8; 32],
+        statistics: Statistics,
+        marks: &[u64],
+        path: &Path,
+    ) -> Result<(), SimError> {
         replace(path, |to| {
             to.write_all(MAGIC)?;
             to.write_all(&[0; 32])?;
             let mut hashing = BufWriter::new(Hashing { to, hasher: blake3::Hasher::new() });
-            self.put(&mut hashing)?;
+            put(&mut hashing, &(VERSION, scene, world.whole_numbers(), statistics, marks))?;
+            put_lists(&mut hashing, world)?;
             hashing.flush()?;
             let hash = hashing.get_ref().hasher.finalize();
             drop(hashing);
@@ -58,12 +67,50 @@ impl<S: Serialize> Checkpoint<S> {
             to.write_all(hash.as_bytes())
         })
     }
+}
 
-    fn put(&self, to: &mut impl Write) -> io::Result<()> {
-        let mut to = Telling { to, error: None };
-        let written = postcard::to_io(&(VERSION, self), &mut to).map(|_| ());
-        written.map_err(|error| to.error.unwrap_or_else(|| io::Error::other(error)))
+/// Writes what is serialised.
+fn put(to: &mut impl Write, what: &impl Serialize) -> io::Result<()> {
+    let mut to = Telling { to, error: None };
+    let written = postcard::to_io(what, &mut to).map(|_| ());
+    written.map_err(|error| to.error.unwrap_or_else(|| io::Error::other(error)))
+}
+
+/// Writes the lists of numbers that the stepper of a world saves, one at a time.
+fn put_lists(to: &mut impl Write, world: &World) -> io::Result<()> {
+    let lists = world.stepper().save();
+    to.write_all(&(lists.size_hint().0 as u64).to_le_bytes())?;
+    let mut bytes = Vec::new();
+    for list in lists {
+        to.write_all(&(list.len() as u64).to_le_bytes())?;
+        bytes.resize(8 * list.len(), 0);
+        for (bytes, number) in bytes.as_chunks_mut().0.iter_mut().zip(list) {
+            *bytes = number.to_le_bytes();
+        }
+        to.write_all(&bytes)?;
     }
+    Ok(())
+}
+
+/// Reads the lists of numbers that [`put_lists`] wrote, and the end of the file behind them.
+fn take_lists(from: &mut impl Read) -> io::Result<Vec<Vec<f64>>> {
+    fn length(from: &mut impl Read) -> io::Result<u64> {
+        let mut bytes = [0; 8];
+        from.read_exact(&mut bytes)?;
+        Ok(u64::from_le_bytes(bytes))
+    }
+    let (mut lists, mut bytes) = (Vec::new(), Vec::new());
+    for _ in 0..length(from)? {
+        let size = length(from)?.saturating_mul(8);
+        bytes.clear();
+        // A length alone takes no room.
+        if from.take(size).read_to_end(&mut bytes)? as u64 != size {
+            return Err(io::ErrorKind::UnexpectedEof.into());
+        }
+        lists.push(bytes.as_chunks().0.iter().copied().map(f64::from_le_bytes).collect());
+    }
+    let is_end = from.read(&mut [0])? == 0;
+    if is_end { Ok(lists) } else { Err(io::ErrorKind::InvalidData.into()) }
 }
 
 /// A writer of what is hashed on its way; made for writes of many bytes.
@@ -135,8 +182,10 @@ impl Checkpoint {
             return Err(unusable(path, &why));
         }
         let mut room = [0; TEXT];
-        let taken = postcard::from_io((file, &mut room));
-        taken.map(|(checkpoint, _)| checkpoint).map_err(|_| broken())
+        let taken = postcard::from_io::<(_, WholeNumbers, _, _), _>((file, &mut room));
+        let ((scene, whole, statistics, marks), (mut file, _)) = taken.map_err(|_| broken())?;
+        let stepper = take_lists(&mut file).map_err(|_| broken())?;
+        Ok(Self { scene, snapshot: Snapshot { whole, stepper }, statistics, marks })
     }
 }
 

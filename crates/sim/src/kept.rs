@@ -16,9 +16,8 @@ pub fn keep_state(
     is_bent: bool,
     path: &Path,
 ) -> Result<(), SimError> {
-    let (scene, marks) = (scene_hash(scene)?, vec![u64::from(is_bent)]);
-    let (snapshot, statistics) = (world.present(), Statistics::default());
-    Checkpoint { scene, snapshot, statistics, marks }.write(path)
+    let marks = [u64::from(is_bent)];
+    Checkpoint::write(world, scene_hash(scene)?, Statistics::default(), &marks, path)
 }
 
 /// Puts the world of a scene into the state in a file of [`keep_state`], and tells whether it has

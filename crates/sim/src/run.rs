@@ -221,10 +221,9 @@ impl<'a> ActiveRun<'a> {
     /// Remembers the run as it is now, in the checkpoint that a kill leaves.
     fn remember(&mut self) -> Result<(), SimError> {
         let marks = self.observers.iter_mut().map(|observer| observer.mark());
-        let marks = marks.collect::<Result<_, _>>()?;
-        let (snapshot, statistics) = (self.world.present(), self.statistics);
-        let now = Checkpoint { scene: self.hash, snapshot, statistics, marks };
-        now.write(&self.folder.file(NEXT_CHECKPOINT))
+        let marks = marks.collect::<Result<Vec<_>, _>>()?;
+        let path = self.folder.file(NEXT_CHECKPOINT);
+        Checkpoint::write(&self.world, self.hash, self.statistics, &marks, &path)
     }
 
     /// Makes what was last remembered the checkpoint that a loss of power leaves, once the outputs

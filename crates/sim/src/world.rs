@@ -12,7 +12,7 @@ use rapunzel_electrostatics::Fields;
 use rapunzel_export::surface::Placed;
 use rapunzel_fiber::{Assembly, Fiber};
 use rapunzel_rod_dynamic::{Energy, Momentum, RodState};
-use serde::{Deserialize, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 use std::sync::LazyLock;
 
 /// Everything in a scene at one instant: a clock, an environment, objects, and what moves among
@@ -59,28 +59,16 @@ impl Clock {
 /// The raw numbers of a world, from which it goes on bit for bit.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Snapshot {
+    pub(crate) whole: WholeNumbers,
+    pub(crate) stepper: Vec<Vec<f64>>,
+}
+
+/// The numbers of a snapshot that are not those of its stepper.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub(crate) struct WholeNumbers {
     clock: Clock,
     budget: Option<EnergyBudget>,
     objects: Vec<f64>,
-    stepper: Vec<Vec<f64>>,
-}
-
-/// A snapshot that is being taken: written, it is one.
-#[derive(Serialize)]
-pub(crate) struct Present<'a> {
-    clock: Clock,
-    budget: Option<EnergyBudget>,
-    objects: Vec<f64>,
-    stepper: Saved<'a>,
-}
-
-/// The lists of numbers of a stepper, never held at once.
-struct Saved<'a>(&'a dyn Stepper);
-
-impl Serialize for Saved<'_> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_seq(self.0.save())
-    }
 }
 
 /// What there is of fibres where there are none.
@@ -352,16 +340,14 @@ impl World {
     /// All numbers that determine what follows.
     #[must_use]
     pub fn snapshot(&self) -> Snapshot {
-        let Present { clock, budget, objects, stepper: Saved(stepper) } = self.present();
-        Snapshot { clock, budget, objects, stepper: stepper.save().collect() }
+        Snapshot { whole: self.whole_numbers(), stepper: self.stepper.save().collect() }
     }
 
-    /// All numbers that determine what follows, to be written without a copy of what is large.
-    pub(crate) fn present(&self) -> Present<'_> {
+    /// The numbers of a snapshot that are not those of its stepper.
+    pub(crate) fn whole_numbers(&self) -> WholeNumbers {
         let mut objects = Vec::new();
         self.objects.iter().for_each(|object| object.save(&mut objects));
-        let stepper = Saved(&*self.stepper);
-        Present { clock: self.clock, budget: self.budget, objects, stepper }
+        WholeNumbers { clock: self.clock, budget: self.budget, objects }
     }
 
     /// Goes back to a snapshot of this world.
@@ -369,13 +355,13 @@ impl World {
     /// # Errors
     /// [`SimError::Coupling`], [`SimError::Charging`] and others if it is one of another scene.
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), SimError> {
-        self.stepper.restore(&snapshot.stepper, snapshot.clock.time())?;
-        let mut numbers = &snapshot.objects[..];
+        let Snapshot { whole: WholeNumbers { clock, budget, objects }, stepper } = snapshot;
+        self.stepper.restore(stepper, clock.time())?;
+        let mut numbers = &objects[..];
         for object in &mut self.objects {
             numbers = object.restore(numbers).ok_or(SimError::OtherObjects)?;
         }
-        self.clock = snapshot.clock;
-        self.budget = snapshot.budget;
+        (self.clock, self.budget) = (*clock, *budget);
         Ok(())
     }
 }

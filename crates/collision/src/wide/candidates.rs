@@ -234,8 +234,12 @@ impl List {
         end: &Capsules,
         ways: &mut SegmentWays,
     ) -> Result<(), CollisionError> {
-        let both = start.positions().par_iter().zip(end.positions());
-        let is_short = both.all(|(a, b)| SHORT * (b - a).norm() <= self.margin);
+        let both = start.positions().iter().zip(end.positions());
+        let longest = both.fold(0.0, |longest: f64, (a, b)| {
+            let squared = (b - a).norm_squared();
+            if squared > longest { squared } else { longest }
+        });
+        let is_short = SHORT * longest.sqrt() <= self.margin;
         let try_again = is_short || self.wide.is_multiple_of(PATIENCE);
         let slack = |list: &Self| LIST_SLACK * list.margin;
         let kept = |list: &mut Self| list.stays_complete([start, end], list.margin - slack(list));
@@ -264,6 +268,7 @@ impl List {
         } else if self.is_long() {
             self.margin *= 0.5;
         }
+        self.way.leave_tree();
         self.tree.refit(capsules, self.grow())?;
         if self.tree.cost() > WORN * self.cost {
             *self = Self::new(capsules, self.reach, self.most)?;

@@ -91,7 +91,7 @@ impl Tree {
             blocks: vec![Block::EMPTY; count],
             hulls: vec![Bounds::EMPTY; count],
         });
-        lowest.fit_segments(diagonals.as_mut(), &nodes, [capsules], margin);
+        lowest.fit_segments(diagonals.as_mut(), &nodes, [capsules], margin, &vec![true; count]);
         let mut levels = vec![lowest];
         while levels.len() < 2 || levels[levels.len() - 1].blocks.len() > 1 {
             let hulls = &levels[levels.len() - 1].hulls;
@@ -109,7 +109,7 @@ impl Tree {
     /// [`CollisionError::Count`] if there are more or fewer segments or nodes than the tree was
     /// built for, [`CollisionError::Length`] if the margin is negative or not finite.
     pub fn refit(&mut self, capsules: &Capsules, margin: f64) -> Result<(), CollisionError> {
-        self.fit([capsules], margin)
+        self.fit([capsules], margin, &vec![true; self.nodes.len()])
     }
 
     /// Fits the boxes, grown by `margin`, m, to all that segments sweep from `start` to `end`, each
@@ -123,17 +123,33 @@ impl Tree {
         end: &Capsules,
         margin: f64,
     ) -> Result<(), CollisionError> {
-        self.fit([start, end], margin)
+        self.fit([start, end], margin, &vec![true; self.nodes.len()])
     }
 
+    /// The same where of all segments only those that are marked sweep something else than when the
+    /// boxes were fitted last, with the same margin.
+    pub(super) fn refit_swept_of(
+        &mut self,
+        marked: &[bool],
+        start: &Capsules,
+        end: &Capsules,
+        margin: f64,
+    ) -> Result<(), CollisionError> {
+        let wanted = self.levels[0].with_marked(marked);
+        self.fit([start, end], margin, &wanted)
+    }
+
+    /// Fits the boxes of those blocks of the lowest level that are `wanted`, and all around them.
     fn fit<const N: usize>(
         &mut self,
         frames: [&Capsules; N],
         margin: f64,
+        wanted: &[bool],
     ) -> Result<(), CollisionError> {
         length("margin", margin)?;
         frames.iter().try_for_each(|frame| self.check(frame))?;
-        self.levels[0].fit_segments(self.diagonals.as_mut(), &self.nodes, frames, margin);
+        let (lowest, diagonals) = (&mut self.levels[0], self.diagonals.as_mut());
+        lowest.fit_segments(diagonals, &self.nodes, frames, margin, wanted);
         for k in 1..self.levels.len() {
             let (below, above) = self.levels.split_at_mut(k);
             above[0].fit_hulls(&below[k - 1].hulls);

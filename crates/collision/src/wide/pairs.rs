@@ -69,7 +69,7 @@ impl Tree {
 
 impl TreeLevel {
     /// Which blocks hold something that is marked.
-    fn with_marked(&self, marked: &[bool]) -> Vec<bool> {
+    pub(super) fn with_marked(&self, marked: &[bool]) -> Vec<bool> {
         let holds = |children: &[u32; LANES_F32]| {
             children.iter().any(|&child| child != NONE && marked[child as usize])
         };

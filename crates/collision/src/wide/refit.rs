@@ -12,28 +12,30 @@ use rayon::prelude::*;
 const REFIT_CHUNK: usize = 64;
 
 impl TreeLevel {
-    /// Fits the boxes of the lowest level to the segments of all `frames`, grown by `margin`, m;
-    /// `nodes` are the first nodes of the segments in the lanes.
+    /// Fits the boxes of those blocks of the lowest level that are `wanted` to the segments of all
+    /// `frames`, grown by `margin`, m; `nodes` are the first nodes of the segments in the lanes.
     pub(super) fn fit_segments<const N: usize>(
         &mut self,
         diagonals: Option<&mut Diagonals>,
         nodes: &[[u32; LANES_F32]],
         frames: [&Capsules; N],
         margin: f64,
+        wanted: &[bool],
     ) {
         let boxes =
             self.blocks.par_chunks_mut(REFIT_CHUNK).zip(self.hulls.par_chunks_mut(REFIT_CHUNK));
         let lanes = self.children.par_chunks(REFIT_CHUNK).zip(nodes.par_chunks(REFIT_CHUNK));
+        let lanes = lanes.zip(wanted.par_chunks(REFIT_CHUNK));
         let Some(Diagonals { blocks, hulls }) = diagonals else {
-            return boxes.zip(lanes).for_each(|(along, (segments, nodes))| {
+            return boxes.zip(lanes).for_each(|(along, (lanes, wanted))| {
                 let oblique = None;
-                Arch::new().dispatch(Fit { along, oblique, segments, nodes, frames, margin });
+                Arch::new().dispatch(Fit { along, oblique, lanes, wanted, frames, margin });
             });
         };
         let oblique = blocks.par_chunks_mut(REFIT_CHUNK).zip(hulls.par_chunks_mut(REFIT_CHUNK));
-        boxes.zip(oblique).zip(lanes).for_each(|((along, oblique), (segments, nodes))| {
+        boxes.zip(oblique).zip(lanes).for_each(|((along, oblique), (lanes, wanted))| {
             let oblique = Some(oblique);
-            Arch::new().dispatch(Fit { along, oblique, segments, nodes, frames, margin });
+            Arch::new().dispatch(Fit { along, oblique, lanes, wanted, frames, margin });
         });
     }
 
@@ -60,8 +62,9 @@ impl TreeLevel {
 struct Fit<'a, const N: usize> {
     along: (&'a mut [Block], &'a mut [Bounds]),
     oblique: Option<(&'a mut [Block<6>], &'a mut [Bounds<6>])>,
-    segments: &'a [[u32; LANES_F32]],
-    nodes: &'a [[u32; LANES_F32]],
+    /// Segments and their first nodes.
+    lanes: (&'a [[u32; LANES_F32]], &'a [[u32; LANES_F32]]),
+    wanted: &'a [bool],
     frames: [&'a Capsules<'a>; N],
     margin: f64,
 }
@@ -72,7 +75,10 @@ impl<const N: usize> NullaryFnOnce for Fit<'_, N> {
     #[inline(always)]
     fn call(self) {
         let Self { along, mut oblique, .. } = self;
-        for (b, (segments, nodes)) in self.segments.iter().zip(self.nodes).enumerate() {
+        for (b, (segments, nodes)) in self.lanes.0.iter().zip(self.lanes.1).enumerate() {
+            if !self.wanted[b] {
+                continue;
+            }
             let ends = LaneEnds::gather(segments, nodes, self.frames, self.margin);
             ends.fit(segments, &mut along.0[b], &mut along.1[b]);
             if let Some((blocks, hulls)) = &mut oblique {

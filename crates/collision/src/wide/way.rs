@@ -23,6 +23,8 @@ pub(super) struct Way {
     aside: f64,
     /// All pairs, and their squared distances at the start, m².
     all: Vec<(Pair, f64)>,
+    /// Whether the tree holds what all segments sweep.
+    is_in_tree: bool,
     /// Workspace: all segments.
     lines: Vec<MovingLine>,
 }
@@ -53,6 +55,7 @@ impl Way {
         self.end.clear();
         self.end.extend_from_slice(end.positions());
         self.aside = 0.5 * slack;
+        self.is_in_tree = false;
     }
 
     /// The same with those of all pairs that a tree finds.
@@ -73,6 +76,7 @@ impl Way {
         };
         tree.sifted_pairs(sifted, &mut pairs);
         self.set_out([start, end], ways, &pairs, [reach, slack]);
+        self.is_in_tree = true;
         Ok(())
     }
 
@@ -98,7 +102,12 @@ impl Way {
         }
         let reach = reach + 2.0 * self.aside;
         let end = Capsules::new(layout, &self.end, start.radii())?;
-        tree.refit_swept(start, &end, 0.5 * reach)?;
+        if self.is_in_tree {
+            tree.refit_swept_of(&turned, start, &end, 0.5 * reach)?;
+        } else {
+            tree.refit_swept(start, &end, 0.5 * reach)?;
+            self.is_in_tree = true;
+        }
         let mut found = Vec::new();
         let ways = SegmentWays::new(start, &end, Vec::new());
         let near = sieve(&ways, reach);
@@ -106,6 +115,11 @@ impl Way {
         self.all.retain(|(pair, _)| pair.iter().all(|&segment| !turned[segment as usize]));
         self.all.append(&mut found);
         Ok(())
+    }
+
+    /// Notes that the tree is fitted to something else.
+    pub(super) fn leave_tree(&mut self) {
+        self.is_in_tree = false;
     }
 
     /// Which ends of a motion are not those that it has set out for; `None` where all may be
@@ -118,8 +132,9 @@ impl Way {
         // What all do alike brings none nearer to another.
         let sum: Vector3<f64> = ends().map(|(a, b)| b - a).sum();
         let shift = sum / self.end.len().max(1) as f64;
+        let most = self.aside * self.aside;
         let far = |(_, (a, b)): &(usize, (&Point3<f64>, &Point3<f64>))| {
-            (*b - *a - shift).norm() > self.aside
+            (*b - *a - shift).norm_squared() > most
         };
         let nodes: Vec<_> = ends().enumerate().filter(far).map(|(node, _)| node).collect();
         (FEW_WAYS * nodes.len() <= self.end.len()).then_some(Astray { nodes, shift })

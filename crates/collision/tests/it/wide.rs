@@ -147,17 +147,28 @@ proptest! {
         let mut positions = start;
         for (ways, size) in steps {
             // By more than the margin, or by less; then to nearly the same place, all of that
-            // farther on, one node elsewhere, or less nearly.
+            // farther on, one node elsewhere, or another as well, before and after the list is made
+            // anew there, or less nearly.
             let next = displaced(&positions, &ways, size);
             let near = displaced(&next, &ways, 0.2 * margin);
             let mut turned = displaced(&near, &[[1.0, -0.5, 0.2]], size);
             let beyond = turned.clone();
             let node = turned.len() / 2;
             turned[node] = positions[0] + 0.5 * (positions[0] - turned[node]);
+            let other = |next: &[Point3<f64>], node: usize| {
+                let mut other = next.to_vec();
+                other[node] = next[node] - 0.5 * (positions[0] - next[node]);
+                other
+            };
+            let (first, last) = (other(&turned, 0), other(&turned, turned.len() - 1));
             let less = displaced(&next, &ways, margin);
-            for next in &[next.clone(), near, beyond, turned, less] {
+            let ends = [next.clone(), near, beyond, turned, first, last, less];
+            for (k, next) in ends.iter().enumerate() {
                 let [start, end] = [&positions, next].map(|p| Capsules::new(&layout, p, &radii));
                 let [start, end] = [start.expect("valid"), end.expect("valid")];
+                if k == 5 {
+                    list.update(&end).expect("the same segments");
+                }
                 let found = list.on_the_way(&start, &end).expect("the same segments");
                 for ([a, b], squared) in &found {
                     let apart = start.get(*a as usize).closest(&start.get(*b as usize)).distance();

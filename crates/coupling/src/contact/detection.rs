@@ -9,6 +9,7 @@ use crate::body_ref::BodyRef;
 use crate::contact_point::{ContactPoint, same_place};
 use crate::fiber_on_object::MovingFiber;
 use crate::held_places::HeldPlaces;
+use crate::known_values::{KnownValue, KnownValues};
 use crate::merging::{merge, retain_others};
 use crate::object::CollisionObject;
 use crate::{TimeInterval, pair};
@@ -43,6 +44,8 @@ pub(crate) struct ContactDetector {
     /// Number of segments, from the root on, of each fibre that are inside a nozzle, where they
     /// touch nothing; empty where none is fed.
     in_nozzles: Vec<usize>,
+    /// What is known of the fields of objects.
+    known: KnownValues,
 }
 
 /// What fibres and objects are in each other at the end of a motion.
@@ -70,10 +73,9 @@ impl NodeMotion<'_> {
         &self.sections.shapes.radii
     }
 
-    /// All segments at its start and at its end.
-    fn capsules(&self) -> Result<[Capsules<'_>; 2], CollisionError> {
-        let at = |positions| Capsules::new(self.layout, positions, self.radii());
-        Ok([at(self.start)?, at(self.end)?])
+    /// All segments at its start, or at its end.
+    fn capsules<'a>(&'a self, at: &'a [Point3<f64>]) -> Result<Capsules<'a>, CollisionError> {
+        Capsules::new(self.layout, at, self.radii())
     }
 }
 
@@ -84,7 +86,8 @@ impl ContactDetector {
         // Of what is farther, a list knows what was near when it was made: chance would decide.
         let candidates = Candidates::new(margin + more, RESERVE * margin)?;
         let (rooted, in_nozzles, joints) = (Vec::new(), Vec::new(), BallJoints::default());
-        Ok(Self { margin, more, holds, candidates, rooted, joints, in_nozzles })
+        let known = KnownValues::default();
+        Ok(Self { margin, more, holds, candidates, rooted, joints, in_nozzles, known })
     }
 
     /// Lets fibres grow out of objects from now on: of these pairs by their numbers, in order, the
@@ -146,7 +149,7 @@ impl ContactDetector {
         chosen: impl FnOnce(&Capsules, Vec<Pair>, &[CapsuleContact]) -> Vec<Pair>,
         points: &mut Vec<ContactPoint>,
     ) -> Result<bool, CollisionError> {
-        let [start, end] = motion.capsules()?;
+        let (start, end) = (motion.capsules(motion.start)?, motion.capsules(motion.end)?);
         let mut pairs = self.candidates.on_the_way(&start, &end)?;
         if !self.joints.is_empty() {
             pairs.retain(|(pair, _)| !self.joints.parts(pair));
@@ -187,31 +190,34 @@ impl ContactDetector {
 
     /// What fibres, and objects that move freely, touch of the objects.
     fn of_objects(
-        &self,
+        &mut self,
         motion: &NodeMotion,
         objects: &[CollisionObject],
         held: &HeldPlaces,
         margin: f64,
     ) -> Vec<ContactPoint> {
-        let strand = |fiber: usize| {
+        let Self { rooted, in_nozzles, known, .. } = self;
+        let strand = |(fiber, known): (usize, &mut Vec<KnownValue>)| {
             let mut found = Vec::new();
-            for (index, object) in (0..).zip(objects) {
+            let nodes = motion.layout.node_range(fiber);
+            for ((index, object), known) in (0..).zip(objects).zip(known.chunks_mut(nodes.len())) {
                 let number = fiber_number(fiber);
                 let strand = MovingFiber {
                     fiber: number,
-                    first: usize::from(self.rooted.binary_search(&[number, index]).is_ok())
-                        .max(self.in_nozzles.get(fiber).copied().unwrap_or(0)),
+                    first: usize::from(rooted.binary_search(&[number, index]).is_ok())
+                        .max(in_nozzles.get(fiber).copied().unwrap_or(0)),
                     held: held.of_pair([number, index]),
-                    start: &motion.start[motion.layout.node_range(fiber)],
-                    end: &motion.end[motion.layout.node_range(fiber)],
+                    start: &motion.start[nodes.clone()],
+                    end: &motion.end[nodes.clone()],
                     radii: &motion.radii()[motion.layout.segment_range(fiber)],
                 };
-                object.contact_points(index, &strand, motion.step, margin, &mut found);
+                object.contact_points(index, &strand, known, motion.step, margin, &mut found);
             }
             found
         };
         // Few of many may be near any.
-        let fibers = (0..motion.layout.fibers()).into_par_iter().with_max_len(FIBERS);
+        let known = known.of_fibers(motion.layout, objects.len());
+        let fibers = known.par_iter_mut().enumerate().with_max_len(FIBERS);
         let found: Vec<_> = fibers.map(strand).collect();
         let mut found = found.concat();
         found.extend(pair::contact_points(objects, motion.step, margin));
@@ -272,7 +278,7 @@ pub(crate) fn gaps(
     motion: &NodeMotion,
     points: &[ContactPoint],
 ) -> Result<Vec<f64>, CollisionError> {
-    let [_, end] = motion.capsules()?;
+    let end = motion.capsules(motion.end)?;
     let first = |fiber: u32| fiber_number(motion.layout.segment_range(fiber as usize).start);
     let chunk = |(points, gaps): (&[ContactPoint], &mut [f64])| {
         let (mut places, mut pairs, mut squared) = (Vec::new(), Vec::new(), Vec::new());

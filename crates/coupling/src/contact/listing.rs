@@ -44,7 +44,8 @@ impl ContactStepper {
         let moments = &self.memory.joints[joints.len()..];
         let couples = all.junctions.points(system.fibers, part.dt, moments);
         let lists = ContactLists { points, joints, couples };
-        let (mut case, mean) = ContactProblem::new(system, lists, part.dt, &laws, before, room)?;
+        let (mut case, mean) =
+            ContactProblem::new(system, lists, part.dt, &laws, before, self.segment_mass, room)?;
         self.bend(system, &mut case, &mean, part.dt);
         laps.lap(&mut self.times.laws);
         system.push(case.pushes(), part.time, part.dt)?;

@@ -21,13 +21,11 @@ pub(super) struct FiberVelocities {
     pub(super) spins: PooledArray<Vector3<f64>>,
 }
 
-/// Nodes at the start and at the end of a step, in the order of the assembly.
+/// Where the step under way has been solved to, in the order of the assembly.
 pub(super) struct StepEnds {
-    /// Positions at the start, m, world.
-    pub(super) start: PooledArray<Point3<f64>>,
-    /// Positions at the end, m, world.
+    /// Positions of all nodes, m, world.
     pub(super) end: PooledArray<Point3<f64>>,
-    /// Directors d1 and d2 of segments at the end; none where all sections are round.
+    /// Directors d1 and d2 of segments; none where all sections are round.
     pub(super) directors: Vec<[Vector3<f64>; 2]>,
 }
 
@@ -51,11 +49,10 @@ impl Fibers<StaggeredBatch> {
         all
     }
 
-    /// Positions of all nodes at the start of the step under way and where it has been solved to,
-    /// and how flat sections lie then.
+    /// Positions of all nodes where the step under way has been solved to, and how flat sections
+    /// lie then.
     pub(super) fn ends(&self, shapes: &SectionShapes) -> StepEnds {
-        let (start, end) = (self.positions(), self.end_positions());
-        StepEnds { start, end, directors: self.directors(shapes) }
+        StepEnds { end: self.end_positions(), directors: self.directors(shapes) }
     }
 
     /// Positions of all nodes where the step under way has been solved to, in the order of the

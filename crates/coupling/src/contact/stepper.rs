@@ -41,6 +41,8 @@ pub(super) struct ContactStepper {
     pub(super) shapes: SectionShapes,
     /// The smallest radius of a circle with the area of a section, m.
     radius: f64,
+    /// Mass of a segment of the lightest fibre, kg.
+    pub(super) segment_mass: f64,
     /// Bonds at the start of a run.
     bonds: Vec<CachedImpulse>,
     /// Contact points of the last substep, whose memory the next list takes.
@@ -63,6 +65,8 @@ impl ContactStepper {
         joints: ContactJoints,
     ) -> Result<Self, CouplingError> {
         let assembly = system.fibers.assembly();
+        let segments = assembly.fibers().iter().map(|f| f.mass() / f.segments() as f64);
+        let segment_mass = segments.fold(f64::INFINITY, f64::min);
         let shapes = SectionShapes::new(assembly);
         let radius = assembly.radii().iter().copied().fold(f64::INFINITY, f64::min);
         let largest = shapes.radii.iter().copied().fold(0.0, f64::max);
@@ -86,6 +90,7 @@ impl ContactStepper {
             solver,
             shapes,
             radius,
+            segment_mass,
             bonds: Vec::new(),
             points: Vec::new(),
             room: ProblemWorkspace::default(),
@@ -179,7 +184,7 @@ impl ContactStepper {
         last: bool,
     ) -> Result<StepReport, SubstepFailure> {
         self.solver.forget();
-        let mut part = Substep::new(time, dt, system.fibers.groups.len());
+        let mut part = Substep::new(time, dt, system);
         // It is forces that last: impulses grow with the step.
         let scale = self.memory.dt.map_or(0.0, |before| dt / before);
         let first = self.memory.dt.is_none();

@@ -3,14 +3,17 @@ use super::detection::NodeMotion;
 use super::node_arrays::StepEnds;
 use super::sections::{OrientedSections, SectionShapes};
 use super::system::CoupledSystem;
-use crate::StepReport;
-use crate::TimeInterval;
+use crate::array_pool::PooledArray;
+use crate::{StepReport, TimeInterval};
+use nalgebra::Point3;
 
 /// A substep: the part of a step at hand.
 pub(super) struct Substep {
     /// Start and length of the substep, s.
     pub(super) time: f64,
     pub(super) dt: f64,
+    /// Positions of all nodes at its start, m, world, in the order of the assembly.
+    start: PooledArray<Point3<f64>>,
     pub(super) work: ContactWork,
     /// Work of couples on fibres, J.
     pub(super) work_of_couples: f64,
@@ -20,11 +23,12 @@ pub(super) struct Substep {
 }
 
 impl Substep {
-    /// The substep that starts at `time` and takes `dt`, s, of a number of groups of fibres.
-    pub(super) fn new(time: f64, dt: f64, groups: usize) -> Self {
+    /// The substep that starts at `time` and takes `dt`, s, of fibres as they are now.
+    pub(super) fn new(time: f64, dt: f64, system: &CoupledSystem) -> Self {
+        let start = system.fibers.positions();
         let (work, report) = (ContactWork::default(), StepReport::default());
-        let turns = vec![f64::INFINITY; groups];
-        Self { time, dt, work, work_of_couples: 0.0, report, turns }
+        let turns = vec![f64::INFINITY; system.fibers.groups.len()];
+        Self { time, dt, start, work, work_of_couples: 0.0, report, turns }
     }
 
     /// That no group is still.
@@ -32,13 +36,14 @@ impl Substep {
         vec![false; self.turns.len()]
     }
 
-    /// The motion of all nodes between positions at the start and at the end.
+    /// The motion of all nodes from the start to where the substep has been solved to.
     pub(super) fn motion<'a>(
-        &self,
+        &'a self,
         system: &'a CoupledSystem<'_>,
         shapes: &'a SectionShapes,
-        StepEnds { start, end, directors }: &'a StepEnds,
+        StepEnds { end, directors }: &'a StepEnds,
     ) -> NodeMotion<'a> {
+        let start = &self.start;
         let layout = system.fibers.assembly().layout();
         let step = TimeInterval { start: self.time, length: self.dt };
         NodeMotion { layout, sections: OrientedSections { shapes, directors }, start, end, step }

@@ -194,8 +194,11 @@ impl StaggeredBatch {
             if vectors.len() != fibers * each && !vectors.is_empty() {
                 return error((vectors.len() / each).min(fibers - 1), count);
             }
-            if let Some(k) = vectors.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
-                return error(k / each, "must be finite (N s, N m s)");
+            // Without a branch for each, and the search for the culprit only where there is one.
+            let finite = |p: &Vector3<f64>| p.x.is_finite() & p.y.is_finite() & p.z.is_finite();
+            if !vectors.iter().fold(true, |all, p| all & finite(p)) {
+                let culprit = vectors.iter().position(|p| !finite(p)).unwrap_or_default();
+                return error(culprit / each, "must be finite (N s, N m s)");
             }
         }
         Ok(())

@@ -228,7 +228,10 @@ impl FrameWriter {
             };
             let frames = indices().map(picture).collect::<Result<Vec<_>, _>>()?;
             let shown = indices().filter_map(|index| self.show.objects.file(index));
-            let objects = shown.map(|file| self.read_objects(file));
+            let mut files: Vec<_> = shown.collect();
+            // One is for all frames.
+            files.dedup();
+            let objects = files.into_iter().map(|file| self.read_objects(file));
             let objects = objects.collect::<Result<Vec<_>, _>>()?;
             let winds: Vec<_> = frames.iter().map(|frame| self.show.wind.at(frame.time)).collect();
             sheet::write(to, &frames, &objects, &winds)

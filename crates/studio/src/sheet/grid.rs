@@ -78,3 +78,9 @@ impl SheetGrid {
         canvas.text([to.x + 8.0, y - 7.0], &format!("{:.0} {name}", length / unit), ink);
     }
 }
+
+/// A position, rounded to a pixel.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within a sheet")]
+pub(super) fn whole(x: f64) -> usize {
+    x.round().clamp(0.0, 16384.0) as usize
+}

@@ -3,7 +3,9 @@
 mod frame;
 mod grid;
 mod paint;
+mod raster;
 mod rose;
+mod shade;
 #[cfg(test)]
 mod tests;
 mod view;
@@ -13,9 +15,11 @@ use crate::canvas::{Canvas, Color};
 pub use frame::{PreviewFrame, Support};
 use grid::{CAPTION, SheetGrid};
 use nalgebra::{Vector2, Vector3};
-use paint::{FEW, PAPER};
+use paint::FEW;
 use rapunzel_export::ExportError;
 use rapunzel_export::surface::{self, Placed};
+use raster::Raster;
+use shade::PAPER;
 use std::io::Write;
 use view::View;
 
@@ -36,8 +40,9 @@ const FRAME: Color = [0.84, 0.83, 0.81];
 /// view: nothing is cut off. Near fibres are dark, far ones fade; a highlight shows their
 /// direction, and marks show their supports. Behind and between the fibres are `objects`: one list
 /// for each frame, or one for all frames, or none. `winds`, velocities of the air (world), m/s, one
-/// for each frame or none, are shown by a wind rose each. Cost: a ray for every pixel, and the
-/// trees of what is shown.
+/// for each frame or none, are shown by a wind rose each. Cost: of fibres a step for every pixel
+/// that they are near, of objects a ray for every pixel of each frame, or of one if they are the
+/// same in all.
 ///
 /// # Errors
 /// Refuses an empty list of frames, frames without strands, invalid surfaces, objects that are
@@ -65,12 +70,18 @@ pub fn write(
     let count = frames.len().min(CELLS);
     let grid = SheetGrid::new(count, &view);
     let mut canvas = Canvas::new(grid.size(), PAPER);
+    let backdrop = |objects: &[Placed]| Raster::new(objects, &view, &grid);
+    // Most of the time objects are the same in all frames.
+    let common = match objects {
+        [] => Some(backdrop(&[])?),
+        [one] => Some(backdrop(one)?),
+        _ => None,
+    };
     for cell in 0..count {
         let index = cell * (frames.len() - 1) / (count - 1).max(1);
-        let (frame, objects) = (&frames[index], objects.get(index).or(objects.first()));
-        let corner = grid.corner(cell);
-        let objects = objects.map_or(&[][..], Vec::as_slice);
-        paint::paint(&mut canvas, frame, objects, &view, &grid, corner)?;
+        let (frame, corner) = (&frames[index], grid.corner(cell));
+        let backdrop = common.clone().map_or_else(|| backdrop(&objects[index]), Ok)?;
+        paint::paint(&mut canvas, frame, backdrop, &view, &grid, corner)?;
         canvas.rectangle(corner, grid.picture, FRAME);
         // One picture alone is of no certain time.
         if count > 1 {
@@ -88,7 +99,7 @@ pub fn write(
 }
 
 /// Writes a picture of one frame and of objects, of at most `largest` pixels across and down, as it
-/// would be seen on a sheet, without a scale. Cost: a ray for every pixel.
+/// would be seen on a sheet, without a scale. Cost: as of one frame of a sheet.
 ///
 /// # Errors
 /// As [`write()`].
@@ -102,7 +113,8 @@ pub fn write_small(
     let view = view(std::slice::from_ref(frame), objects.iter(), !objects.is_empty())?;
     let grid = SheetGrid::alone(&view, largest.map(f64::from));
     let mut canvas = Canvas::new(grid.picture, PAPER);
-    paint::paint(&mut canvas, frame, objects, &view, &grid, [0.0; 2])?;
+    let backdrop = Raster::new(objects, &view, &grid)?;
+    paint::paint(&mut canvas, frame, backdrop, &view, &grid, [0.0; 2])?;
     mark(&mut canvas, frame, &view, &grid, [0.0; 2]);
     canvas.write(out)
 }

@@ -79,6 +79,13 @@ impl View {
         [self.right.dot(&p.coords) - self.origin.x, self.down.dot(&p.coords) - self.origin.y]
     }
 
+    /// Coordinates of a point, m: right and down from the upper left corner of the picture, and
+    /// away from the near side of the box.
+    pub(super) fn coordinates(&self, p: &Point3<f64>) -> Vector3<f64> {
+        let [x, y] = self.project(p);
+        Vector3::new(x, y, self.away.dot(&p.coords) - self.origin.z)
+    }
+
     /// The point of the near side of the box, or `before` it, m, that is at a position in the
     /// picture, and the direction of sight.
     pub(super) fn ray(&self, [x, y]: [f64; 2], before: f64) -> (Point3<f64>, Vector3<f64>) {
@@ -91,10 +98,10 @@ impl View {
         Vector2::new(self.right.dot(v), self.down.dot(v))
     }
 
-    /// Relative depth of a point: 0 at the near side of the box, up to 1 at the far side of a deep
-    /// one.
-    pub(super) fn depth(&self, p: &Point3<f64>) -> f64 {
-        ((self.away.dot(&p.coords) - self.origin.z) / self.depth).clamp(0.0, 1.0)
+    /// Haze before what is so far behind the near side of the box, m: 0 there, and up to 1 at the
+    /// far side of a deep one.
+    pub(super) fn haze(&self, depth: f64) -> f64 {
+        (depth / self.depth).clamp(0.0, 1.0)
     }
 }
 

@@ -99,13 +99,15 @@ impl ContactProblem {
     /// have the mean velocities that are given back, of what they touch at least. What gives way
     /// has done so already under impulses as those of the step `before`, N s, world: along tangents
     /// only the rest of them moves it; along normals the gap tells. Joints close; what bends at
-    /// them is in no balance yet ([`Self::bend`]).
+    /// them is in no balance yet ([`Self::bend`]). `mass`, kg, is that by which errors are judged
+    /// at first.
     pub(super) fn new(
         system: &CoupledSystem,
         ContactLists { mut points, joints, couples }: ContactLists,
         dt: f64,
         laws: &ContactLaws,
         before: Vec<Vector3<f64>>,
+        mass: f64,
         room: ProblemWorkspace,
     ) -> Result<(Self, FiberVelocities), ContactError> {
         let ProblemWorkspace { laws: mut own, solved } = room;
@@ -184,14 +186,11 @@ impl ContactProblem {
             });
             ContactCulling::new(system, &points, speeds.collect(), nodes)
         });
-        let segments =
-            system.fibers.assembly().fibers().iter().map(|f| f.mass() / f.segments() as f64);
         let working: Vec<usize> = (0..points.len())
             .into_par_iter()
             .filter(|&i| i >= listed || acts(&points[i]))
             .collect();
         let pushes = working.iter().map(|&i| points[i].impulse).collect();
-        let mass = segments.fold(f64::INFINITY, f64::min);
         let masses = vec![ErrorMasses::from(mass); points.len()];
         let written = system.fibers.groups.iter().map(|_| None).collect();
         let (error, kept) = (None, vec![Vec::new(); system.fibers.groups.len()]);
