@@ -11,7 +11,9 @@ use crate::{Body, Contact, ContactError, GaussSeidel, Report, Solver, Splitting,
 use nalgebra::Vector3;
 
 /// Iterations of splitting before contacts are solved one by one.
-const SPLITTING_ITERATIONS: usize = 10;
+const SPLITTING_ITERATIONS: usize = 20;
+/// Relaxation of Gauss-Seidel: contacts of a bundle support each other.
+const RELAXATION: f64 = 1.3;
 /// Most iterations of Gauss-Seidel.
 const GAUSS_SEIDEL_ITERATIONS: usize = 200;
 /// Iterations of Gauss-Seidel in which it must come nearer.
@@ -78,8 +80,8 @@ impl Solver for Polished {
         let split = impulses.to_vec();
         let iterations = GAUSS_SEIDEL_ITERATIONS.min(most - spent);
         let tolerance = Tolerance { iterations, ..self.tolerance };
-        let patience = GAUSS_SEIDEL_PATIENCE;
-        let mut one_by_one = GaussSeidel { patience, ..GaussSeidel::new(tolerance) };
+        let (patience, relaxation) = (GAUSS_SEIDEL_PATIENCE, RELAXATION);
+        let mut one_by_one = GaussSeidel { tolerance, patience, relaxation };
         let found = one_by_one.solve(bodies, contacts, &velocities, impulses)?;
         spent += found.iterations;
         if found.converged || spent >= most {

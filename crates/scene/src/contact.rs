@@ -52,7 +52,7 @@ pub enum ContactMethod {
     /// Newton's method.
     #[default]
     Splitting,
-    /// Ten iterations of `Splitting`, then Gauss-Seidel on the contacts that still violate the law,
+    /// Twenty iterations of `Splitting`, then Gauss-Seidel on the contacts that still violate the law,
     /// each solved exactly, on one thread. A third of the iterations where hair falls and lies, but
     /// longer ones, so that it takes somewhat more time. Like `Splitting` where a fibre has too
     /// many contacts for an explicit response matrix, where rigid bodies move freely, and for the
