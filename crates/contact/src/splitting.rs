@@ -8,8 +8,8 @@ use nalgebra::Vector3;
 const FEW: usize = 64;
 /// Fewest iterations of splitting before that, after which most problems are solved.
 const FIRST: usize = 30;
-/// Contacts squared that stand for an iteration of splitting more: as many take the time of Newton's
-/// method, which grows with the cube.
+/// Contacts squared that stand for an iteration of splitting more: as many take the time of
+/// Newton's method, which grows with the cube.
 const SQUARE: usize = 8;
 /// Most iterations of Newton's method; half a dozen are usual where it comes to the end.
 const NEWTON_ITERATIONS: usize = 12;

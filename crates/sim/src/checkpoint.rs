@@ -18,10 +18,10 @@ const VERSION: &str = env!("CARGO_PKG_VERSION");
 /// Everything from which a run goes on so that its output is the same, byte for byte, as if it had
 /// never stopped.
 ///
-/// The file is the magic number, the BLAKE3 hash of the rest, and the rest: in postcard's format the
-/// version of the program as a length and text, and all that is not the stepper's; then the number of
-/// lists that the stepper has saved, and of each its length and its numbers, all of eight bytes, the
-/// lowest first.
+/// The file is the magic number, the BLAKE3 hash of the rest, and the rest: in postcard's format
+/// the version of the program as a length and text, and all that is not the stepper's; then the
+/// number of lists that the stepper has saved, and of each its length and its numbers, all of eight
+/// bytes, the lowest first.
 #[derive(Debug)]
 pub(crate) struct Checkpoint {
     /// Hash of the scene.

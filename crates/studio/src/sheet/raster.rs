@@ -208,8 +208,8 @@ mod tests {
         numbers.skip(1).map(|x| (x >> 8) as f32 / 8_388_608.0 - 1.0)
     }
 
-    /// Every corner shows what a ray finds among the same segments: at random, tapered, of one point,
-    /// along an axis of the picture, and along the direction of sight.
+    /// Every corner shows what a ray finds among the same segments: at random, tapered, of one
+    /// point, along an axis of the picture, and along the direction of sight.
     #[test]
     fn corners_show_what_rays_find() {
         let mut at = coordinates(1);
