@@ -67,11 +67,20 @@ impl Solver for Splitting {
             let mut newton = Newton { tolerance: Tolerance { iterations, ..self.tolerance } };
             let found = newton.solve(bodies, contacts, &velocities, impulses)?;
             spent += found.iterations;
-            if found.converged || spent >= most {
+            if found.converged && is_near(&given, impulses) {
                 return Ok(Report { iterations: spent, ..found });
             }
             impulses.copy_from_slice(&given);
             turn *= 2;
         }
     }
+}
+
+/// Whether impulses have changed by no more than they were. What is jammed may be pressed together
+/// as hard as one likes: an answer far away presses without need, and of that much a residual
+/// leaves too much.
+fn is_near(from: &[Vector3<f64>], to: &[Vector3<f64>]) -> bool {
+    let size: f64 = from.iter().map(Vector3::norm_squared).sum();
+    let change: f64 = from.iter().zip(to).map(|(a, b)| (b - a).norm_squared()).sum();
+    change <= size
 }
