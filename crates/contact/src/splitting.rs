@@ -6,11 +6,9 @@ use nalgebra::Vector3;
 
 /// Most contacts of which Newton's method is tried.
 const FEW: usize = 64;
-/// Fewest iterations of splitting before that, after which most problems are solved.
-const FIRST: usize = 30;
-/// Contacts squared that stand for an iteration of splitting more: as many take the time of
-/// Newton's method, which grows with the cube.
-const SQUARE: usize = 8;
+/// Iterations of splitting before that, in the first turn: nearly all problems are solved by then,
+/// by impulses near those of the step before.
+const FIRST: usize = 200;
 /// Most iterations of Newton's method; half a dozen are usual where it comes to the end.
 const NEWTON_ITERATIONS: usize = 12;
 
@@ -50,8 +48,7 @@ impl Solver for Splitting {
         if contacts.len() > FEW {
             return self.admm(most).solve(bodies, contacts, velocities, impulses);
         }
-        let mut turn = FIRST + contacts.len() * contacts.len() / SQUARE;
-        let mut spent = 0;
+        let (mut turn, mut spent) = (FIRST, 0);
         let (mut given, mut velocities) = (impulses.to_vec(), velocities.to_vec());
         loop {
             let left = most - spent;
