@@ -4,13 +4,15 @@ use crate::solver::respond;
 use crate::{Admm, Body, Contact, ContactError, Newton, Report, Solver, Tolerance};
 use nalgebra::Vector3;
 
-/// Most contacts of which Newton's method is tried.
-const FEW: usize = 64;
+/// Most contacts of which Newton's method is tried: its cost grows with the cube.
+const FEW: usize = 32;
 /// Iterations of splitting before that, in the first turn: nearly all problems are solved by then,
 /// by impulses near those of the step before.
 const FIRST: usize = 200;
 /// Most iterations of Newton's method; half a dozen are usual where it comes to the end.
 const NEWTON_ITERATIONS: usize = 12;
+/// Largest change by Newton's method of all impulses together, relative to them.
+const NEAR: f64 = 0.1;
 
 /// [`Admm`], and [`Newton`] from where it is after some iterations if there are only some dozens of
 /// contacts. Where that does not come to the end, twice as many iterations lead to where it begins
@@ -73,11 +75,10 @@ impl Solver for Splitting {
     }
 }
 
-/// Whether impulses have changed by no more than they were. What is jammed may be pressed together
-/// as hard as one likes: an answer far away presses without need, and of that much a residual
-/// leaves too much.
+/// Whether impulses have changed by little. What is jammed may be pressed together as hard as one
+/// likes: an answer far away presses without need, and of that much a residual leaves too much.
 fn is_near(from: &[Vector3<f64>], to: &[Vector3<f64>]) -> bool {
     let size: f64 = from.iter().map(Vector3::norm_squared).sum();
     let change: f64 = from.iter().zip(to).map(|(a, b)| (b - a).norm_squared()).sum();
-    change <= size
+    change <= NEAR * NEAR * size
 }
