@@ -33,7 +33,7 @@ pub use gauss_seidel::GaussSeidel;
 pub use impact::{ImpactReport, closing, impact, impact_in_turn};
 pub use limit_curve::{Friction, LimitCurve, Polygon};
 pub use local::solve_contact;
-pub use newton::Newton;
+pub use newton::SemismoothNewton;
 pub use polished::Polished;
 pub use residual::{ErrorMasses, Violation, report};
 pub use rigid::{RigidBody, RigidPoints};

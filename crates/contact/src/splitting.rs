@@ -1,7 +1,7 @@
 //! Splitting, and Newton's method where contacts are few and it is slow.
 
 use crate::solver::respond;
-use crate::{Admm, Body, Contact, ContactError, Newton, Report, Solver, Tolerance};
+use crate::{Admm, Body, Contact, ContactError, Report, SemismoothNewton, Solver, Tolerance};
 use nalgebra::Vector3;
 
 /// Most contacts of which Newton's method is tried: its cost grows with the cube.
@@ -14,9 +14,9 @@ const NEWTON_ITERATIONS: usize = 12;
 /// Largest change by Newton's method of all impulses together, relative to them.
 const NEAR: f64 = 0.1;
 
-/// [`Admm`], and [`Newton`] from where it is after some iterations if there are only some dozens of
-/// contacts. Where that does not come to the end, twice as many iterations lead to where it begins
-/// again.
+/// [`Admm`], and [`SemismoothNewton`] from where it is after some iterations if there are only some
+/// dozens of contacts. Where that does not come to the end, twice as many iterations lead to where
+/// it begins again.
 #[derive(Debug, Clone)]
 pub struct Splitting {
     /// Tolerances at which it stops.
@@ -63,7 +63,8 @@ impl Solver for Splitting {
             velocities = respond(bodies, contacts, &velocities, &changes);
             given.copy_from_slice(impulses);
             let iterations = NEWTON_ITERATIONS.min(most - spent);
-            let mut newton = Newton { tolerance: Tolerance { iterations, ..self.tolerance } };
+            let mut newton =
+                SemismoothNewton { tolerance: Tolerance { iterations, ..self.tolerance } };
             let found = newton.solve(bodies, contacts, &velocities, impulses)?;
             spent += found.iterations;
             if found.converged && is_near(&given, impulses) {

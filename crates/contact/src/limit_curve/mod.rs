@@ -10,7 +10,7 @@ mod slope;
 
 pub use friction::Friction;
 pub use polygon::Polygon;
-pub(crate) use slope::NearestPoint;
+pub(crate) use slope::NearestFriction;
 
 /// The friction that a contact can bear per normal force, by direction: a closed convex curve about
 /// the origin of the tangent plane.

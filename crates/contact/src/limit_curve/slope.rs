@@ -4,7 +4,7 @@ use super::{LimitCurve, quarter};
 use nalgebra::{Matrix2, Vector2};
 
 /// The nearest point of a limit curve's inside, and how it moves with what it is nearest to.
-pub(crate) struct NearestPoint {
+pub(crate) struct NearestFriction {
     /// The point itself, N s.
     pub(crate) point: Vector2<f64>,
     /// Derivative by what it is nearest to; one of several where curve or point has a corner.
@@ -15,7 +15,7 @@ pub(crate) struct NearestPoint {
 
 impl LimitCurve {
     /// The point of [`Self::project`] with its derivatives.
-    pub(crate) fn nearest(&self, p: &Vector2<f64>, scale: f64) -> NearestPoint {
+    pub(crate) fn nearest(&self, p: &Vector2<f64>, scale: f64) -> NearestFriction {
         let point = self.project(p, scale);
         let apart = p - point;
         let slope = if apart == Vector2::zeros() {
@@ -27,7 +27,7 @@ impl LimitCurve {
         };
         // Twice as far from a curve twice as large the nearest point is twice as far (Euler).
         let growth = if scale > 0.0 { (point - slope * p) / scale } else { Vector2::zeros() };
-        NearestPoint { point, slope, growth }
+        NearestFriction { point, slope, growth }
     }
 
     /// Derivative of the nearest point by what is `apart` from it: along the curve, the less the
@@ -85,7 +85,7 @@ mod tests {
         ) {
             const STEP: f64 = 1e-6;
             let p = Vector2::from(p);
-            let NearestPoint { slope, growth, .. } = curve.nearest(&p, scale);
+            let NearestFriction { slope, growth, .. } = curve.nearest(&p, scale);
             let at = |change: Vector2<f64>, more: f64| curve.project(&(p + change), scale + more);
             let pairs = [
                 (slope.column(0).into_owned(), Vector2::x() * STEP, 0.0),

@@ -1,7 +1,7 @@
 //! The law of some contacts as equations, and a step of Newton's method.
 
 use crate::gauss_seidel::Delassus;
-use crate::limit_curve::NearestPoint;
+use crate::limit_curve::NearestFriction;
 use crate::residual::report;
 use crate::{Contact, ErrorMasses, FreeMasses, Report};
 use nalgebra::{DMatrix, DVector, Matrix2, Matrix3, Vector2, Vector3};
@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector, Matrix2, Matrix3, Vector2, Vector3};
 /// Added to the diagonal of the answers, relative to what a contact answers to itself: contacts may
 /// share what they bear in many ways, and of these the nearest to the given one is taken. It leaves
 /// a part as small of each step undone.
-const SOFTNESS: f64 = 1e-6;
+const STEP_SOFTNESS: f64 = 1e-6;
 
 /// Impulses and relative velocities of some contacts, and how these answer those.
 pub(super) struct ContactEquations<'a> {
@@ -27,11 +27,11 @@ pub(super) struct ContactEquations<'a> {
 }
 
 /// The piece of a contact's equations that its impulse and velocity are on.
-enum Piece {
+enum ContactPiece {
     /// It bears nothing.
     Open,
     /// It is pressed, with this nearest friction.
-    Pressed(NearestPoint),
+    Pressed(NearestFriction),
     /// It is a joint.
     Joint,
 }
@@ -113,35 +113,35 @@ impl<'a> ContactEquations<'a> {
 
     /// Pieces of the equations at the present impulses and velocities, and what is wrong there,
     /// N s.
-    fn pieces(&self) -> (Vec<Piece>, DVector<f64>) {
+    fn pieces(&self) -> (Vec<ContactPiece>, DVector<f64>) {
         let mut errors = DVector::zeros(self.impulses.len());
         let piece = |(i, contact): (usize, &Contact)| {
             let (r, u) = (of(&self.impulses, i), of(&self.velocities, i));
             let [normal, tangent] = self.scales[i];
             if contact.is_joint() {
                 errors.fixed_rows_mut::<3>(3 * i).copy_from(&(u * tangent));
-                return Piece::Joint;
+                return ContactPiece::Joint;
             }
             let (load, q) = (r.x + contact.adhesion, r.yz() - u.yz() * tangent);
             let pressed = load - normal * u.x;
             if pressed <= 0.0 {
                 errors.fixed_rows_mut::<3>(3 * i).copy_from(&Vector3::new(load, r.y, r.z));
-                return Piece::Open;
+                return ContactPiece::Open;
             }
             let nearest = contact.friction.nearest(&q, pressed);
             let apart = r.yz() - nearest.point;
             let error = Vector3::new(normal * u.x, apart.x, apart.y);
             errors.fixed_rows_mut::<3>(3 * i).copy_from(&error);
-            Piece::Pressed(nearest)
+            ContactPiece::Pressed(nearest)
         };
         let pieces = self.contacts.iter().enumerate().map(piece).collect();
         (pieces, errors)
     }
 
     /// Step of all impulses to where the present pieces have no error, N s.
-    fn direction(&self, pieces: &[Piece], errors: &DVector<f64>) -> Option<DVector<f64>> {
+    fn direction(&self, pieces: &[ContactPiece], errors: &DVector<f64>) -> Option<DVector<f64>> {
         let bearing: Vec<usize> =
-            (0..pieces.len()).filter(|&i| !matches!(pieces[i], Piece::Open)).collect();
+            (0..pieces.len()).filter(|&i| !matches!(pieces[i], ContactPiece::Open)).collect();
         let mut step = -errors;
         bearing.iter().for_each(|&i| step.fixed_rows_mut::<3>(3 * i).fill(0.0));
         // What opens lets go of all it bears; what that changes the others have to answer.
@@ -154,14 +154,14 @@ impl<'a> ContactEquations<'a> {
             // By the velocity, and by the impulse itself.
             let mut by_velocity = Matrix3::from_diagonal(&scales);
             let mut by_impulse = Matrix3::zeros();
-            if let Piece::Pressed(NearestPoint { slope, growth, .. }) = &pieces[i] {
+            if let ContactPiece::Pressed(NearestFriction { slope, growth, .. }) = &pieces[i] {
                 set_tangents(&mut by_velocity, &(growth * normal), &(slope * tangent));
                 set_tangents(&mut by_impulse, &-growth, &(Matrix2::identity() - slope));
             }
             for (column, &j) in bearing.iter().enumerate() {
                 let mut answer = self.response.fixed_view::<3, 3>(3 * i, 3 * j).into_owned();
                 if i == j {
-                    answer += Matrix3::from_diagonal_element(SOFTNESS * answer.trace());
+                    answer += Matrix3::from_diagonal_element(STEP_SOFTNESS * answer.trace());
                 }
                 let mut block = by_velocity * answer;
                 if i == j {

@@ -27,12 +27,12 @@ use nalgebra::Vector3;
 /// cube of their number; the matrix of answers is asked for once, three columns a point. Of use for
 /// up to some dozens of contacts.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Newton {
+pub struct SemismoothNewton {
     /// Tolerances at which it stops.
     pub tolerance: Tolerance,
 }
 
-impl Solver for Newton {
+impl Solver for SemismoothNewton {
     fn solve(
         &mut self,
         bodies: &mut [&mut dyn Body],

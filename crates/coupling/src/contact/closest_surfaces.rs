@@ -15,7 +15,7 @@ use nalgebra::{Matrix2, Matrix3, Matrix3x2, Point3, Vector3};
 
 /// Axes that enclose less than this angle are parallel; its squared sine. Roundings turn the
 /// normal across both by `1e-6` rad then, and change the separation by the square of that.
-const PARALLEL: f64 = 1e-20;
+const PARALLEL_AXES: f64 = 1e-20;
 
 /// Distances that differ by less than this part of the lengths that make them are the same.
 const LEVEL: f64 = 1e-9;
@@ -176,7 +176,7 @@ impl SegmentPair {
         let [first, second] = self.axes();
         let across = first.cross(&second);
         let squared = across.norm_squared();
-        let parallel = PARALLEL * first.norm_squared() * second.norm_squared();
+        let parallel = PARALLEL_AXES * first.norm_squared() * second.norm_squared();
         (squared > parallel).then(|| {
             let side = if across.dot(normal) < 0.0 { -1.0 } else { 1.0 };
             let normal = across * (side / squared.sqrt());

@@ -1,7 +1,9 @@
 //! Newton's method for few contacts, alone and after splitting.
 use crate::common::{Dense, Random, heap, resolve, worst};
 use nalgebra::Vector3;
-use rapunzel_contact::{Admm, Body, Contact, Newton, Report, Solver, Splitting, Tolerance};
+use rapunzel_contact::{
+    Admm, Body, Contact, Report, SemismoothNewton, Solver, Splitting, Tolerance,
+};
 
 const TOLERANCE: Tolerance =
     Tolerance { residual: 1e-8, normal: 1e-8, slip: 1e-8, iterations: 5000 };
@@ -23,7 +25,7 @@ fn it_ends_in_a_few_iterations() {
     let (mut solved, mut iterations) = (0, 0);
     for k in 0..200 {
         let (bodies, contacts) = heap(&mut random, if k % 2 == 0 { 0.3 } else { 1.0 });
-        let mut newton = Newton { tolerance: Tolerance { iterations: 20, ..TOLERANCE } };
+        let mut newton = SemismoothNewton { tolerance: Tolerance { iterations: 20, ..TOLERANCE } };
         let (found, worst) = solve(&bodies, &contacts, &mut newton);
         if found.converged {
             (solved, iterations) = (solved + 1, iterations + found.iterations);
@@ -80,7 +82,8 @@ fn contacts_that_share_what_they_bear_are_solved() {
             .chain((0..4).map(|k| touch(8 + k, Some(4 + k))))
             .collect();
         let mut impulses = vec![Vector3::zeros(); 8];
-        let mut newton = Newton { tolerance: Tolerance { iterations: 30, ..Tolerance::EXACT } };
+        let mut newton =
+            SemismoothNewton { tolerance: Tolerance { iterations: 30, ..Tolerance::EXACT } };
         let found = resolve(&mut bodies, &contacts, &mut impulses, &mut newton);
         assert!(found.converged, "{masses:?}: {found:?}");
         // It stops all, as friction holds a hundredth of what the ground takes; the residual may
@@ -98,7 +101,7 @@ fn contacts_that_share_what_they_bear_are_solved() {
 /// Nothing to solve, nothing that moves, and impulses that do not fit.
 #[test]
 fn what_makes_no_sense_is_told() {
-    let mut newton = Newton { tolerance: TOLERANCE };
+    let mut newton = SemismoothNewton { tolerance: TOLERANCE };
     assert!(newton.solve(&mut [], &[], &[], &mut []).expect("nothing").converged);
     let mut fixed = Dense::particle(f64::INFINITY);
     let ground = crate::common::contact(0, None, &Vector3::z(), crate::common::circle(0.3));
