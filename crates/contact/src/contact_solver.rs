@@ -1,11 +1,11 @@
-use crate::{Body, Contact, ContactError, Polished, Report, Solver, Splitting, Tolerance};
+use crate::{Admm, Body, Contact, ContactError, Polished, Report, Solver, Tolerance};
 use nalgebra::Vector3;
 
 /// A solver for many contacts, chosen at run time.
 #[derive(Debug, Clone)]
 pub enum ContactSolver {
-    /// Splitting, and Newton's method where contacts are few.
-    Splitting(Splitting),
+    /// Splitting alone.
+    Splitting(Admm),
     /// Splitting, then Gauss-Seidel where that is not enough.
     Polished(Polished),
 }

@@ -18,7 +18,6 @@ mod polished;
 mod residual;
 pub mod rigid;
 mod solver;
-mod splitting;
 pub mod thesis;
 
 pub use adhesion::{Bond, Cylinders, wet_pair_energy};
@@ -38,4 +37,3 @@ pub use polished::Polished;
 pub use residual::{ErrorMasses, Violation, report};
 pub use rigid::{RigidBody, RigidPoints};
 pub use solver::{Report, Solver, Tolerance};
-pub use splitting::Splitting;

@@ -7,7 +7,7 @@
 //! with contacts made even.
 
 use crate::solver::respond;
-use crate::{Body, Contact, ContactError, GaussSeidel, Report, Solver, Splitting, Tolerance};
+use crate::{Admm, Body, Contact, ContactError, GaussSeidel, Report, Solver, Tolerance};
 use nalgebra::Vector3;
 
 /// Iterations of splitting before contacts are solved one by one.
@@ -19,7 +19,7 @@ const GAUSS_SEIDEL_ITERATIONS: usize = 200;
 /// Iterations of Gauss-Seidel in which it must come nearer.
 const GAUSS_SEIDEL_PATIENCE: usize = 20;
 
-/// [`Splitting`] for some iterations, then [`GaussSeidel`] where that is not enough: a third of the
+/// [`Admm`] for some iterations, then [`GaussSeidel`] where that is not enough: a third of the
 /// iterations that splitting alone takes to a tolerance of 1e-3 from a good guess.
 ///
 /// Splitting alone solves what Gauss-Seidel does not come nearer to, such as fibers that jam each
@@ -28,7 +28,7 @@ const GAUSS_SEIDEL_PATIENCE: usize = 20;
 pub struct Polished {
     /// Tolerances at which it stops.
     pub tolerance: Tolerance,
-    splitting: Splitting,
+    splitting: Admm,
     /// Whether solving one by one has led nowhere.
     stalled: bool,
 }
@@ -37,7 +37,7 @@ impl Polished {
     /// A solver that stops at these tolerances.
     #[must_use]
     pub fn new(tolerance: Tolerance) -> Self {
-        Self { tolerance, splitting: Splitting::new(tolerance), stalled: false }
+        Self { tolerance, splitting: Admm::new(tolerance), stalled: false }
     }
 
     /// Forgets that solving one by one has led nowhere, since when only splitting is tried: what
@@ -47,7 +47,7 @@ impl Polished {
     }
 
     /// Splitting with at most this number of iterations.
-    fn splitting(&mut self, iterations: usize) -> &mut Splitting {
+    fn splitting(&mut self, iterations: usize) -> &mut Admm {
         self.splitting.tolerance = Tolerance { iterations, ..self.tolerance };
         &mut self.splitting
     }

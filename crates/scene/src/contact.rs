@@ -48,8 +48,7 @@ pub struct ContactSettings {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum ContactMethod {
     /// The method of multipliers, which solves all contacts at once, body by body and contact by
-    /// contact in turn, on all threads. Up to 32 contacts that it does not solve soon are solved by
-    /// Newton's method.
+    /// contact in turn, on all threads.
     #[default]
     Splitting,
     /// Twenty iterations of `Splitting`, then Gauss-Seidel on the contacts that still violate the

@@ -1,9 +1,7 @@
-//! Newton's method for few contacts, alone and after splitting.
+//! Newton's method for few contacts.
 use crate::common::{Dense, Random, heap, resolve, worst};
 use nalgebra::Vector3;
-use rapunzel_contact::{
-    Admm, Body, Contact, Report, SemismoothNewton, Solver, Splitting, Tolerance,
-};
+use rapunzel_contact::{Body, Contact, Report, SemismoothNewton, Solver, Tolerance};
 
 const TOLERANCE: Tolerance =
     Tolerance { residual: 1e-8, normal: 1e-8, slip: 1e-8, iterations: 5000 };
@@ -34,26 +32,6 @@ fn it_ends_in_a_few_iterations() {
     }
     println!("{solved} of 200 heaps solved, in {iterations} iterations");
     assert!(solved >= 180 && iterations < 10 * solved, "{solved} {iterations}");
-}
-
-/// What splitting alone solves it solves with Newton's method as well, and more.
-#[test]
-fn splitting_solves_no_less_with_it() {
-    let mut random = Random(51);
-    let (mut with, mut without) = ([0; 2], [0; 2]);
-    for k in 0..200 {
-        let (bodies, contacts) = heap(&mut random, if k % 2 == 0 { 0.5 } else { 2.0 });
-        let (found, worst) = solve(&bodies, &contacts, &mut Splitting::new(TOLERANCE));
-        let (alone, _) = solve(&bodies, &contacts, &mut Admm::new(TOLERANCE));
-        for (count, report) in [(&mut with, &found), (&mut without, &alone)] {
-            count[0] += usize::from(report.converged);
-            count[1] += report.iterations;
-        }
-        assert!(!found.converged || worst < 1e-7, "{k}: {worst} {found:?}");
-        assert!(found.converged || !alone.converged, "{k}: {found:?} {alone:?}");
-    }
-    println!("solved, iterations: {with:?} with it, {without:?} without");
-    assert!(with[0] >= without[0] && with[1] < without[1], "{with:?} {without:?}");
 }
 
 /// Two bodies that are one by their contacts, which share what they bear in many ways: the boxes

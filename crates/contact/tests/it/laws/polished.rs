@@ -2,9 +2,7 @@
 //! solve.
 use crate::common::{Dense, Random, heap, resolve, to, worst};
 use nalgebra::Vector3;
-use rapunzel_contact::{
-    Admm, Contact, GaussSeidel, Polished, Report, Solver, Splitting, Tolerance,
-};
+use rapunzel_contact::{Admm, Contact, GaussSeidel, Polished, Report, Solver, Tolerance};
 
 /// Solves from no impulses, with answers that are written out; returns these and what an
 /// independent evaluation of the law finds wrong as well.
@@ -53,7 +51,7 @@ fn what_leads_nowhere_is_not_tried_again_before_it_is_told() {
     let (easy, few) = heap(&mut random, 0.3);
     let mut solver = Polished::new(TOLERANCE);
     let (fresh, first, _) = solve(&easy, &few, &mut solver);
-    let (split, of_splitting, _) = solve(&easy, &few, &mut Splitting::new(TOLERANCE));
+    let (split, of_splitting, _) = solve(&easy, &few, &mut Admm::new(TOLERANCE));
     assert!(fresh.converged && split.converged && first != of_splitting);
     let stalled = (0..50).any(|_| {
         let (bodies, contacts) = heap(&mut random, 2.0);
@@ -76,7 +74,7 @@ fn answers_that_are_not_written_out_are_not_asked_for() {
     let mut of_splitting = of_polished.clone();
     let mut polished = Polished::new(TOLERANCE);
     let found = resolve(&mut bodies.clone(), &contacts, &mut of_polished, &mut polished);
-    let mut splitting = Splitting::new(TOLERANCE);
+    let mut splitting = Admm::new(TOLERANCE);
     let split = resolve(&mut bodies.clone(), &contacts, &mut of_splitting, &mut splitting);
     assert!(found.converged);
     assert_eq!((found, of_polished), (split, of_splitting));
