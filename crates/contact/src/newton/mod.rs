@@ -9,8 +9,8 @@
 //! ```
 //!
 //! for any positive `rho`. Newton's method takes the derivatives of the pieces at hand (Qi and Sun
-//! 1993). Once the pieces are the right ones it is at the end at once. Far from the answer it may go
-//! round and round.
+//! 1993). Once the pieces are the right ones it is at the end at once. Far from the answer it may
+//! go round and round.
 
 mod equations;
 
