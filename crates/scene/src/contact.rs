@@ -52,10 +52,10 @@ pub enum ContactMethod {
     #[default]
     Splitting,
     /// Twenty iterations of `Splitting`, then Gauss-Seidel on the contacts that still violate the
-    /// law, each solved exactly, on one thread. A third of the iterations where hair falls and
-    /// lies, but longer ones, so that it takes somewhat more time. Like `Splitting` where a fibre
-    /// has too many contacts for an explicit response matrix, where rigid bodies move freely, and
-    /// for the rest of a step in which it did not converge.
+    /// law, over-relaxed, on one thread. A third of the iterations where hair falls and lies, but
+    /// longer ones, so that it takes about as much time. Like `Splitting` where a fibre has too
+    /// many contacts for an explicit response matrix, where rigid bodies move freely, and for the
+    /// rest of a step in which it did not converge.
     Polished,
 }
 

@@ -157,32 +157,23 @@ impl<'b> Delassus<'b> {
         LANES * self.velocities.len()
     }
 
-    /// Block `W_ij` of two points, 1/kg, world; zero where they are in different patches.
-    fn block(&self, of: PatchPoint, to: PatchPoint) -> Matrix3<f64> {
-        let PointPatch { registers, blocks } = &self.patches[to.patch];
-        if of.patch != to.patch || registers.is_empty() {
-            return Matrix3::zeros();
-        }
-        let [row, column] = [of, to].map(|place| place.point - LANES * registers.start);
-        blocks.block(row, column)
-    }
-
-    /// Answer of the relative velocity of one contact to an impulse of another, 1/kg, in their
-    /// frames.
-    pub(crate) fn response(&self, of: &Contact, to: &Contact) -> Matrix3<f64> {
-        let ([a, b], [c, d]) = (self.places(of), self.places(to));
-        let world = self.block(a, c) - self.block(a, d) - self.block(b, c) + self.block(b, d);
-        of.frame.transpose() * world * to.frame
-    }
-
     /// Diagonal block of a contact, 1/kg, in its frame: the answer of its relative velocity to its
     /// own impulse, `W_11 + W_22 - W_12 - W_21`; zero where both points can only move together.
     pub(crate) fn own_response(&self, contact: &Contact) -> Matrix3<f64> {
+        // W_ij of two points; zero where they are in different patches.
+        let block = |of: PatchPoint, to: PatchPoint| {
+            let PointPatch { registers, blocks } = &self.patches[to.patch];
+            if of.patch != to.patch || registers.is_empty() {
+                return Matrix3::zeros();
+            }
+            let [row, column] = [of, to].map(|place| place.point - LANES * registers.start);
+            blocks.block(row, column)
+        };
         let [first, second] = self.places(contact);
-        let mut world = self.block(first, first);
+        let mut world = block(first, first);
         if contact.second.is_some() {
-            let apart = world + self.block(second, second);
-            world = apart - self.block(first, second) - self.block(second, first);
+            let apart = world + block(second, second);
+            world = apart - block(first, second) - block(second, first);
             let rounding = self.patches[first.patch].blocks.relative_rounding();
             if world.trace() <= rounding * apart.trace() {
                 return Matrix3::zeros();

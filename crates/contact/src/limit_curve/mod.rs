@@ -6,11 +6,9 @@ mod cone;
 mod ellipse;
 mod friction;
 mod polygon;
-mod slope;
 
 pub use friction::Friction;
 pub use polygon::Polygon;
-pub(crate) use slope::NearestFriction;
 
 /// The friction that a contact can bear per normal force, by direction: a closed convex curve about
 /// the origin of the tangent plane.

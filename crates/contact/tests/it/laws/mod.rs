@@ -8,7 +8,6 @@ mod between;
 mod curves;
 mod impacts;
 mod local;
-mod newton;
 mod oracles;
 mod piles;
 mod polished;
