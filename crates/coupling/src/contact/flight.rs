@@ -6,29 +6,33 @@ use super::system::CoupledSystem;
 use crate::body_ref::BodyRef;
 use crate::contact_point::ContactPoint;
 
-/// Whether each fibre is a side of any of some contact points or joints.
-fn touching(fibers: usize, points: &[ContactPoint], joints: &BallJoints) -> Vec<bool> {
-    let mut touching = vec![false; fibers];
+impl CoupledSystem<'_> {
+    /// Lets fibres that fly and are sides of contact points or joints bear them from where a
+    /// substep sets out on. Returns by group whether it has none of these, or nothing where no
+    /// group has any.
+    pub(super) fn land(
+        &mut self,
+        points: &[ContactPoint],
+        joints: &BallJoints,
+    ) -> Option<Vec<bool>> {
+        let mut touching = vec![false; self.fibers.assembly().fibers().len()];
+        touch(&mut touching, points, joints);
+        let groups = self.fibers.groups.iter_mut();
+        let others: Vec<bool> = groups.map(|group| !group.land(|fiber| touching[fiber])).collect();
+        others.contains(&false).then_some(others)
+    }
+
+    /// Lets fibres that are not `touching` fly from the next substep on.
+    pub(super) fn take_off(&mut self, touching: &[bool]) {
+        self.fibers.groups.iter_mut().for_each(|group| group.take_off(|fiber| touching[fiber]));
+    }
+}
+
+/// Notes fibres that are sides of some contact points or joints.
+pub(super) fn touch(touching: &mut [bool], points: &[ContactPoint], joints: &BallJoints) {
     for side in points.iter().flat_map(|point| point.sides).chain(joints.sides()) {
         if let BodyRef::Fiber(fiber) = side {
             touching[fiber as usize] = true;
         }
-    }
-    touching
-}
-
-impl CoupledSystem<'_> {
-    /// Lets fibres that fly and are sides of contact points or joints bear them from the next
-    /// substep on. Returns whether there are any: the substep under way has to be set out anew.
-    pub(super) fn land(&mut self, points: &[ContactPoint], joints: &BallJoints) -> bool {
-        let touching = touching(self.fibers.assembly().fibers().len(), points, joints);
-        let groups = self.fibers.groups.iter_mut();
-        groups.fold(false, |any, group| group.land(|fiber| touching[fiber]) | any)
-    }
-
-    /// Lets fibres that are sides of no contact point and no joint fly from the next substep on.
-    pub(super) fn take_off(&mut self, points: &[ContactPoint], joints: &BallJoints) {
-        let touching = touching(self.fibers.assembly().fibers().len(), points, joints);
-        self.fibers.groups.iter_mut().for_each(|group| group.take_off(|f| touching[f]));
     }
 }

@@ -104,8 +104,7 @@ impl ContactStepper {
         system.push(case.pushes(), part.time, part.dt)?;
         case.turned(&turns);
         let turn = largest(&turns);
-        let last = part.turns.iter_mut().zip(&turns).zip(still);
-        last.filter(|(_, still)| !**still).for_each(|((last, turn), _)| *last = *turn);
+        part.note_turns(&turns, still);
         laps.lap(&mut self.times.rods);
         let mean = case.velocities(system, StepVelocity::Mean);
         self.bend(system, case, &mean, part.dt);

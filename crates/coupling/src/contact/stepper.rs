@@ -1,6 +1,7 @@
 use super::adhesive_film::AdhesiveFilm;
 use super::ball_joints::{BallJoints, ContactJoints};
 use super::detection::ContactDetector;
+use super::flight::touch;
 use super::forcing_term::ForcingTerm;
 use super::initial_overlaps;
 use super::leaps::refuse_leaps;
@@ -10,14 +11,14 @@ use super::substep::Substep;
 use super::substep_failure::{SubstepFailure, lost};
 use super::system::CoupledSystem;
 use super::warm_start::{CachedImpulse, ExpectedImpulses, WarmStart, bonds_within, cache_impulses};
-use crate::contact_point::ContactPoint;
+use crate::contact_point::{ContactImpulse, ContactPoint};
 use crate::contact_report::Unresolved;
 use crate::merging::merged;
 use crate::phase_times::{ContactTimes, PhaseTimer, Stopwatch};
 use crate::{CouplingError, FiberGroup, StepReport, TimeInterval};
 use nalgebra::Vector3;
 use rapunzel_contact::{Admm, ContactSolver, Polished, Tolerance};
-use rapunzel_rod_dynamic::{Impulses, StepVelocity};
+use rapunzel_rod_dynamic::{Impulses, StaggeredBatch, StepVelocity};
 use rapunzel_scene::{Adhesion, ContactMethod, ContactSettings};
 
 /// Most lists of contacts in a substep.
@@ -191,21 +192,15 @@ impl ContactStepper {
         let bearing = std::mem::take(&mut self.memory.bearing);
         let mut known = if first { self.bonds.clone() } else { bearing };
         let joints = self.memory.joints.clone();
-        let solved = loop {
-            let expected = ExpectedImpulses { known: &known, scale };
-            self.memory.joints.iter_mut().zip(&joints).for_each(|(now, own)| *now = scale * own);
-            match self.solve(system, &mut part, &expected, last) {
-                // Each time fewer fly.
-                Err(SubstepFailure::Landed) => system.abandon(),
-                solved => break solved,
-            }
-        };
+        let expected = ExpectedImpulses { known: &known, scale };
+        self.memory.joints.iter_mut().for_each(|own| *own *= scale);
+        let solved = self.solve(system, &mut part, &expected, last);
         match &solved {
             Ok(()) => {
                 let junctions = &self.detector.joints.junctions;
                 let works = junctions.works(system.fibers, part.work_of_couples, dt);
                 system.accept(time, dt, &works);
-                system.take_off(&self.points, &self.detector.joints);
+                system.take_off(&part.touching);
                 cache_impulses(&self.points, &mut known);
             }
             Err(_) => {
@@ -237,17 +232,17 @@ impl ContactStepper {
         let (time, dt) = (part.time, part.dt);
         self.detector.hide(system.in_nozzles(time + dt));
         self.detector.joints.junctions.set_out(system.fibers);
-        let mut laps = PhaseTimer::start(self.stopwatch);
         let joints = self.detector.joints.pushes(system, &self.memory.joints);
         let pushes = || expected.pushes().chain(joints.iter().copied());
         system.push(pushes(), time, dt)?;
-        let set_out = |group: &mut FiberGroup<_>, own: Impulses| group.set_out(time, dt, own);
-        part.turns = system.fibers.with_impulses(&part.all(), pushes(), set_out)?;
-        laps.lap(&mut self.times.rods);
-        let points = self.list(system, part, expected)?;
-        if system.land(&points, &self.detector.joints) {
-            return Err(SubstepFailure::Landed);
+        self.set_out(system, part, pushes(), &part.all())?;
+        let mut points = self.list(system, part, expected)?;
+        while let Some(others) = system.land(&points, &self.detector.joints) {
+            self.set_out(system, part, pushes(), &others)?;
+            self.points = points;
+            points = self.list(system, part, expected)?;
         }
+        touch(&mut part.touching, &points, &self.detector.joints);
         let room = std::mem::take(&mut self.room);
         let (mut case, mean) = self.case(system, part, expected, points, room)?;
         let mut laps = PhaseTimer::start(self.stopwatch);
@@ -258,9 +253,17 @@ impl ContactStepper {
         let mut worst_touch = None;
         let mut through = false;
         for list in 0..MOST_LISTS {
-            let solved = self.converge(system, part, &mut case, list, effort, last)?;
+            let mut solved = self.converge(system, part, &mut case, list, effort, last)?;
             self.memory.joints = case.give_impulses();
-            let found = self.look_at_end(system, part, case.points())?;
+            let mut found = self.look_at_end(system, part, case.points())?;
+            while !(solved && found.deepest <= self.depth())
+                && let Some(others) = system.land(&found.points, &self.detector.joints)
+            {
+                self.set_out(system, part, case.pushes(), &others)?;
+                found = self.look_at_end(system, part, case.points())?;
+                solved = false;
+            }
+            touch(&mut part.touching, &found.points, &self.detector.joints);
             through = found.through;
             let mut laps = PhaseTimer::start(self.stopwatch);
             let mean = case.velocities(system, StepVelocity::Mean);
@@ -295,9 +298,6 @@ impl ContactStepper {
                 (self.points, self.room) = case.into_parts();
                 return Ok(());
             }
-            if system.land(&found.points, &self.detector.joints) {
-                return Err(SubstepFailure::Landed);
-            }
             case.set_gaps(system, &mean, dt);
             let (bearing, room) = case.into_parts();
             let points = merged(bearing, &found.points, self.shallow(), list < PATIENCE);
@@ -310,6 +310,27 @@ impl ContactStepper {
         }
         part.report.contact.miss(worst_touch);
         self.points = case.into_parts().0;
+        Ok(())
+    }
+
+    /// Lets groups set out on a substep with some impulses, anew where they have done so already,
+    /// but `others`.
+    fn set_out(
+        &mut self,
+        system: &mut CoupledSystem,
+        part: &mut Substep,
+        pushes: impl Iterator<Item = ContactImpulse>,
+        others: &[bool],
+    ) -> Result<(), SubstepFailure> {
+        let mut laps = PhaseTimer::start(self.stopwatch);
+        let (time, dt) = (part.time, part.dt);
+        let set_out = |group: &mut FiberGroup<StaggeredBatch>, own: Impulses| {
+            group.batch.abandon();
+            group.set_out(time, dt, own)
+        };
+        let turns = system.fibers.with_impulses(others, pushes, set_out)?;
+        part.note_turns(&turns, others);
+        laps.lap(&mut self.times.rods);
         Ok(())
     }
 

@@ -20,6 +20,8 @@ pub(super) struct Substep {
     pub(super) report: StepReport,
     /// Largest last increment of Newton's method, by group, rad.
     pub(super) turns: Vec<f64>,
+    /// By fibre, whether a list of the substep had contact points of it.
+    pub(super) touching: Vec<bool>,
 }
 
 impl Substep {
@@ -28,7 +30,14 @@ impl Substep {
         let start = system.fibers.positions();
         let (work, report) = (ContactWork::default(), StepReport::default());
         let turns = vec![f64::INFINITY; system.fibers.groups.len()];
-        Self { time, dt, start, work, work_of_couples: 0.0, report, turns }
+        let touching = vec![false; system.fibers.assembly().fibers().len()];
+        Self { time, dt, start, work, work_of_couples: 0.0, report, turns, touching }
+    }
+
+    /// Notes the largest increments of groups, rad, but of those that were `still`.
+    pub(super) fn note_turns(&mut self, turns: &[f64], still: &[bool]) {
+        let own = self.turns.iter_mut().zip(turns).zip(still);
+        own.filter(|(_, still)| !**still).for_each(|((own, turn), _)| *own = *turn);
     }
 
     /// That no group is still.

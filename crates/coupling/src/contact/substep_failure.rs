@@ -8,8 +8,6 @@ use rapunzel_rod_dynamic::StepError;
 pub(super) enum SubstepFailure {
     /// A rod did not converge.
     Rod(StepError),
-    /// Fibres that flew have met something: they bear now.
-    Landed,
     /// Contacts did not converge, and where they were worst.
     Contacts(Option<Unresolved>),
     /// Shorter parts will not help.
