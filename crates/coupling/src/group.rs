@@ -213,8 +213,9 @@ impl FiberGroup<StaggeredBatch> {
         }
     }
 
-    /// Puts other impulses in place of those before, without moving anything.
-    pub(crate) fn press(&mut self, impulses: Impulses) -> Result<(), StepError> {
+    /// Puts other impulses in place of those before, without moving anything. Returns whether they
+    /// are others.
+    pub(crate) fn press(&mut self, impulses: Impulses) -> Result<bool, StepError> {
         self.batch.press(impulses).map_err(|error| error.renumbered(|lane| self.fibers[lane]))
     }
 

@@ -10,12 +10,13 @@ use super::substep_failure::SubstepFailure;
 use super::system::CoupledSystem;
 use super::velocities::Velocities;
 use super::warm_start::{ExpectedImpulses, cache_impulses, cached_impulses, match_cached};
-use crate::TimeInterval;
+use crate::{FiberGroup, TimeInterval};
 use crate::contact_point::ContactPoint;
 use crate::held_places::{HeldPlace, HeldPlaces};
 use crate::phase_times::PhaseTimer;
 use nalgebra::Vector3;
 use rapunzel_collision::CollisionError;
+use rapunzel_rod_dynamic::Impulses;
 
 /// How much deeper, in the depth that is allowed, a fibre may be beside where it rests on an
 /// object: less than what is worth a contact of its own.
@@ -27,7 +28,7 @@ impl ContactStepper {
     pub(super) fn case(
         &mut self,
         system: &mut CoupledSystem,
-        part: &Substep,
+        part: &mut Substep,
         expected: &ExpectedImpulses,
         points: Vec<ContactPoint>,
         room: ProblemWorkspace,
@@ -49,7 +50,9 @@ impl ContactStepper {
         self.bend(system, &mut case, &mean, part.dt);
         laps.lap(&mut self.times.laws);
         system.push(case.pushes(), part.time, part.dt)?;
-        system.fibers.with_impulses(&part.all(), case.pushes(), |group, own| group.press(own))?;
+        let press = |group: &mut FiberGroup<_>, own: Impulses| group.press(own);
+        let pressed = system.fibers.with_impulses(&part.all(), case.pushes(), press)?;
+        part.note_pressed(&pressed);
         laps.lap(&mut self.times.rods);
         Ok((case, mean))
     }

@@ -49,7 +49,7 @@ impl ContactStepper {
         let (mut turn, mut longer, mut exact) = (f64::INFINITY, false, false);
         for _ in 0..MOST_ITERATIONS {
             let error = case.error().unwrap_or(f64::INFINITY);
-            let solved = exact && error <= 1.0;
+            let solved = (exact || std::env::var_os("V1").is_some()) && error <= 1.0;
             if solved && turn < LAST_TURN {
                 return Ok(true);
             }
@@ -57,15 +57,11 @@ impl ContactStepper {
             if list == 0 && !solved && error < CLOSE && self.strays(system, part, case)? {
                 return Ok(false);
             }
-            let mut laps = PhaseTimer::start(self.stopwatch);
-            let still = case.still(system, &part.turns);
-            let own = largest(&system.fibers.for_groups(&still, |group| group.linearize())?);
-            laps.lap(&mut self.times.rods);
+            let own = self.linearize(system, part)?;
             if solved && own < SMALL_TURN {
                 return Ok(true);
             }
-            let (increment, reached) =
-                self.iterate(system, part, case, effort, (patient, &still))?;
+            let (increment, reached) = self.iterate(system, part, case, effort, patient)?;
             (turn, exact) = (increment, effort.is_last());
             // Fibres may be so entangled by where the step began that no impulses let them through.
             let left = case.error().unwrap_or(f64::INFINITY);
@@ -83,28 +79,30 @@ impl ContactStepper {
         }
     }
 
-    /// One iteration of Newton's method, with the rods as they are linearised, but groups that are
-    /// `still`. Returns the largest increment, rad, and whether the contacts were solved as well as
-    /// asked.
+    /// One iteration of Newton's method, with the rods as they are linearised. Returns the largest
+    /// increment, rad, and whether the contacts were solved as well as asked.
     fn iterate(
         &mut self,
         system: &mut CoupledSystem,
         part: &mut Substep,
         case: &mut ContactProblem,
         effort: ForcingTerm,
-        (patient, still): (bool, &[bool]),
+        patient: bool,
     ) -> Result<(f64, bool), SubstepFailure> {
         self.solver.set_tolerance(effort.of(&self.tolerance(part.dt)));
         let mut laps = PhaseTimer::start(self.stopwatch);
-        let one = case.solve(system, &mut self.solver, patient, still)?;
+        // What others do does not move the groups that are still and have no contact.
+        let mut unmoved = part.still();
+        case.working_groups(system, |group| unmoved[group] = false);
+        let one = case.solve(system, &mut self.solver, patient)?;
         laps.lap(&mut self.times.solver);
-        let still = &self.wake(system, case, still)?;
+        case.working_groups(system, |group| unmoved[group] = false);
         let advance = |group: &mut FiberGroup<_>, own: Impulses| group.advance(own);
-        let turns = system.fibers.with_impulses(still, case.pushes(), advance)?;
+        let turns = system.fibers.with_impulses(&unmoved, case.pushes(), advance)?;
         system.push(case.pushes(), part.time, part.dt)?;
         case.turned(&turns);
         let turn = largest(&turns);
-        part.note_turns(&turns, still);
+        part.note_turns(&turns, &unmoved);
         laps.lap(&mut self.times.rods);
         let mean = case.velocities(system, StepVelocity::Mean);
         self.bend(system, case, &mean, part.dt);
@@ -122,19 +120,18 @@ impl ContactStepper {
         Ok((turn, self.solver.tolerance().error(&one) <= 1.0))
     }
 
-    /// Linearises the groups that were `still` and that contacts push after all. Returns which are
-    /// still now.
-    fn wake(
-        &self,
+    /// Linearises the groups that have turned since they were last. Returns the largest increment
+    /// of these, rad.
+    fn linearize(
+        &mut self,
         system: &mut CoupledSystem,
-        case: &ContactProblem,
-        still: &[bool],
-    ) -> Result<Vec<bool>, SubstepFailure> {
-        let mut now = still.to_vec();
-        case.working_groups(system, |group| now[group] = false);
-        let others: Vec<bool> = still.iter().zip(&now).map(|(was, is)| *is || !was).collect();
-        system.fibers.for_groups(&others, |group| group.linearize())?;
-        Ok(now)
+        part: &Substep,
+    ) -> Result<f64, SubstepFailure> {
+        let mut laps = PhaseTimer::start(self.stopwatch);
+        let own = system.fibers.for_groups(&part.still(), |group| group.linearize())?;
+        laps.lap(&mut self.times.rods);
+        if std::env::var_os("DBGN").is_some() { eprintln!("DBG lin {} of {}", part.still().iter().filter(|x| !**x).count(), own.len()); }
+        Ok(largest(&own))
     }
 
     /// Whether fibres have come deeper into each other than their contacts tell, by more than they

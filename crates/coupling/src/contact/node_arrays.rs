@@ -70,16 +70,6 @@ impl Fibers<StaggeredBatch> {
         which: StepVelocity,
         touched: Option<&TouchedParts>,
     ) -> FiberVelocities {
-        self.velocities_by_group(|_| which, touched)
-    }
-
-    /// Velocities of the step under way, of each group those that are asked for, of all fibres or
-    /// of what is `touched`.
-    pub(super) fn velocities_by_group(
-        &self,
-        which: impl Fn(usize) -> StepVelocity + Sync,
-        touched: Option<&TouchedParts>,
-    ) -> FiberVelocities {
         let layout = self.assembly().layout();
         let mut nodes = self.vectors.take(layout.nodes(), Vector3::zeros());
         let mut spins = self.vectors.take(layout.segments(), Vector3::zeros());
@@ -90,11 +80,11 @@ impl Fibers<StaggeredBatch> {
         }
         let range = |fiber| layout.node_range(fiber);
         self.gather(&mut nodes, range, |group, batch, own| {
-            batch.velocities(which(group), touched.map(|parts| &parts.nodes[group][..]), own)
+            batch.velocities(which, touched.map(|parts| &parts.nodes[group][..]), own)
         });
         let range = |fiber| layout.segment_range(fiber);
         self.gather(&mut spins, range, |group, batch, own| {
-            batch.spins(which(group), touched.map(|parts| &parts.segments[group][..]), own)
+            batch.spins(which, touched.map(|parts| &parts.segments[group][..]), own)
         });
         FiberVelocities { nodes, spins }
     }

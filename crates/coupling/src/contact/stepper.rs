@@ -329,7 +329,8 @@ impl ContactStepper {
             group.set_out(time, dt, own)
         };
         let turns = system.fibers.with_impulses(others, pushes, set_out)?;
-        part.note_turns(&turns, others);
+        let new = part.turns.iter_mut().zip(&turns).zip(others).filter(|(_, other)| !**other);
+        new.for_each(|((own, turn), _)| *own = *turn);
         laps.lap(&mut self.times.rods);
         Ok(())
     }

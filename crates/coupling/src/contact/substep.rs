@@ -1,6 +1,7 @@
 use super::contact_work::ContactWork;
 use super::detection::NodeMotion;
 use super::node_arrays::StepEnds;
+use super::problem::groups::LAST_TURN;
 use super::sections::{OrientedSections, SectionShapes};
 use super::system::CoupledSystem;
 use crate::array_pool::PooledArray;
@@ -18,7 +19,8 @@ pub(super) struct Substep {
     /// Work of couples on fibres, J.
     pub(super) work_of_couples: f64,
     pub(super) report: StepReport,
-    /// Largest last increment of Newton's method, by group, rad.
+    /// How far the fibres of each group have turned since they were linearised, rad; infinitely
+    /// where that tells nothing of how they move now.
     pub(super) turns: Vec<f64>,
     /// By fibre, whether a list of the substep had contact points of it.
     pub(super) touching: Vec<bool>,
@@ -34,13 +36,27 @@ impl Substep {
         Self { time, dt, start, work, work_of_couples: 0.0, report, turns, touching }
     }
 
-    /// Notes the largest increments of groups, rad, but of those that were `still`.
-    pub(super) fn note_turns(&mut self, turns: &[f64], still: &[bool]) {
-        let own = self.turns.iter_mut().zip(turns).zip(still);
-        own.filter(|(_, still)| !**still).for_each(|((own, turn), _)| *own = *turn);
+    /// By group, whether its fibres have hardly turned since they were linearised.
+    pub(super) fn still(&self) -> Vec<bool> {
+        self.turns.iter().map(|turn| *turn < LAST_TURN).collect()
     }
 
-    /// That no group is still.
+    /// Notes by what largest increments, rad, groups turned, but those that did not move. Groups
+    /// that were not still had been linearised.
+    pub(super) fn note_turns(&mut self, turns: &[f64], unmoved: &[bool]) {
+        let own = self.turns.iter_mut().zip(turns).zip(unmoved);
+        own.filter(|(_, unmoved)| !**unmoved).for_each(|((own, turn), _)| {
+            *own = if *own < LAST_TURN { *own + turn } else { *turn };
+        });
+    }
+
+    /// Notes where impulses were replaced by others, which a linearisation did not know.
+    pub(super) fn note_pressed(&mut self, pressed: &[bool]) {
+        let own = self.turns.iter_mut().zip(pressed);
+        own.filter(|(_, pressed)| **pressed).for_each(|(own, _)| *own = f64::INFINITY);
+    }
+
+    /// That all groups move.
     pub(super) fn all(&self) -> Vec<bool> {
         vec![false; self.turns.len()]
     }

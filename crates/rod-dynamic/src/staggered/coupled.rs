@@ -99,17 +99,22 @@ impl StaggeredBatch {
     }
 
     /// Replaces the impulses of the step under way. The shape is unchanged: the
-    /// impulses enter the next [`Self::linearize`].
+    /// impulses enter the next [`Self::linearize`]. Returns whether they are others than before.
     ///
     /// # Errors
     /// As [`Self::set_out`] for impulses that make no sense.
-    pub fn press(&mut self, impulses: Impulses) -> Result<(), StepError> {
+    pub fn press(&mut self, impulses: Impulses) -> Result<bool, StepError> {
         self.check_under_way()?;
-        self.set_impulses(impulses)
+        self.check_impulses(impulses)?;
+        let fibers = self.rods.len();
+        Ok(self.working(|batch| batch.engine.press(fibers, impulses)))
     }
 
-    /// Takes the increments of the last linearisation, with these impulses in
-    /// place of those it had. Returns the largest increment, rad; those above 1 are shortened.
+    /// Takes the increments of the last linearisation, with these impulses in place of those
+    /// before. Returns the largest increment, rad; those above 1 are shortened. Asked again without
+    /// a linearisation between, it takes what the change of the impulses causes by the matrix of
+    /// the last one: a chord step, which costs less and is as good where the rods have hardly
+    /// turned since.
     ///
     /// # Errors
     /// [`StepError`] as [`Self::set_out`] and [`Self::linearize`].

@@ -29,8 +29,12 @@ pub(super) trait BatchCoupledStep {
     /// Solves Newton's equations at the present shape, without taking the increments. Returns the
     /// largest increment of each lane, rad.
     fn linearize(&mut self) -> [f64; LANES];
-    /// Takes the increments of the last linearisation, with other impulses on `fibers` fibres than
-    /// those it had. Returns the largest increment of each lane, rad.
+    /// Puts other impulses on `fibers` fibres in place of those before. Returns whether they are
+    /// others; what they change by is in the workspace then.
+    fn press(&mut self, fibers: usize, impulses: Impulses) -> bool;
+    /// Takes the increments of the last linearisation, unless they have been taken, with those that
+    /// other impulses on `fibers` fibres than before cause. Returns the largest increment of each
+    /// lane, rad.
     fn advance(&mut self, fibers: usize, impulses: Impulses) -> [f64; LANES];
     /// Recomputes the shape that the last call of a step has reached, so that it can be committed.
     fn arrive(&mut self);
@@ -95,16 +99,20 @@ impl<S: Simd> BatchCoupledStep for SimdBatch<S> {
         self.chain.simd.vectorize(Linearize(self))
     }
 
-    fn advance(&mut self, fibers: usize, impulses: Impulses) -> [f64; LANES] {
+    fn press(&mut self, fibers: usize, impulses: Impulses) -> bool {
         // What the impulses change by, as far as no end takes it up.
         self.add_impulses(-1.0);
         self.set_impulses(fibers, impulses);
         self.add_impulses(1.0);
-        let zero = |sums: &[S::f64s]| {
-            bytemuck::cast_slice::<S::f64s, f64>(sums).iter().all(|sum| *sum == 0.0)
+        let some = |sums: &[S::f64s]| {
+            bytemuck::cast_slice::<S::f64s, f64>(sums).iter().any(|sum| *sum != 0.0)
         };
-        let same = zero(&self.chain.room.values) && zero(&self.chain.room.turns);
-        self.take_with_response(!same)
+        some(&self.chain.room.values) || some(&self.chain.room.turns)
+    }
+
+    fn advance(&mut self, fibers: usize, impulses: Impulses) -> [f64; LANES] {
+        let change = self.press(fibers, impulses);
+        self.take_with_response(change)
     }
 
     fn arrive(&mut self) {
@@ -181,8 +189,8 @@ impl<S: Simd> SimdBatch<S> {
         }
     }
 
-    /// Takes the increments of the last linearisation. Returns the largest increment of each lane,
-    /// rad.
+    /// Takes the increments of the last linearisation; none are left then. Returns the largest
+    /// increment of each lane, rad.
     #[inline(always)]
     pub(super) fn take_step(&mut self) -> [f64; LANES] {
         let turn = self.chain.largest_turn();
@@ -194,6 +202,8 @@ impl<S: Simd> SimdBatch<S> {
         let simd = self.chain.simd;
         let scale = Lane::load(simd, &scale, 0);
         self.chain.advance(Lane::splat(simd, 1.0), scale);
+        self.chain.kept.step.fill(S::f64s::zeroed());
+        self.chain.kept.gap = [S::f64s::zeroed(); 3];
         turns
     }
 

@@ -12,14 +12,6 @@ use rayon::prelude::*;
 pub(crate) const LAST_TURN: f64 = 1e-3;
 
 impl ContactProblem {
-    /// By group, whether no contact of it was solved last and its last increment, `turns`, rad, was
-    /// so small that it is solved: what others do does not move it.
-    pub(crate) fn still(&self, system: &CoupledSystem, turns: &[f64]) -> Vec<bool> {
-        let mut still: Vec<bool> = turns.iter().map(|turn| *turn < LAST_TURN).collect();
-        self.working_groups(system, |group| still[group] = false);
-        still
-    }
-
     /// Tells the groups of all sides of contacts that were solved last, some of them several times.
     pub(crate) fn working_groups(&self, system: &CoupledSystem, mut tell: impl FnMut(usize)) {
         for side in self.working.iter().flat_map(|&i| self.points[i].sides) {

@@ -267,8 +267,7 @@ impl ContactProblem {
     }
 
     /// Solves for the impulses, with the rods as they are linearised, or, as far as their answers
-    /// go, as they were when these were written out. Groups that are `still` have been solved as
-    /// they are. Only contacts that bear something, pull or would close, or did so before, are
+    /// go, as they were when these were written out. Only contacts that bear something, pull or would close, or did so before, are
     /// looked at: all others would do nothing but hold back the solver. Those that this lets close
     /// take part the next time.
     pub(super) fn solve(
@@ -276,11 +275,8 @@ impl ContactProblem {
         system: &mut CoupledSystem,
         solver: &mut ContactSolver,
         patient: bool,
-        still: &[bool],
     ) -> Result<Report, ContactError> {
-        let which =
-            |group: usize| [StepVelocity::Linear, StepVelocity::Mean][usize::from(still[group])];
-        let fibers = system.fibers.velocities_by_group(which, self.touched.as_ref());
+        let fibers = self.velocities(system, StepVelocity::Linear);
         let linear = Velocities::new(system, &fibers);
         let near = self.look(system, &linear);
         let works = near
