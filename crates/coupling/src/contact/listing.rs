@@ -16,7 +16,7 @@ use crate::held_places::{HeldPlace, HeldPlaces};
 use crate::phase_times::PhaseTimer;
 use nalgebra::Vector3;
 use rapunzel_collision::CollisionError;
-use rapunzel_rod_dynamic::Impulses;
+use rapunzel_rod_dynamic::{Impulses, StepVelocity};
 
 /// How much deeper, in the depth that is allowed, a fibre may be beside where it rests on an
 /// object: less than what is worth a contact of its own.
@@ -24,7 +24,8 @@ const HELD: f64 = 0.25;
 
 impl ContactStepper {
     /// The problem of contact points that were listed where the step has been solved to, and mean
-    /// velocities there of what they touch. From now on no impulses act but theirs.
+    /// velocities of what they touch. From now on no impulses act but theirs, and fibres that flew
+    /// bear them: those set out anew.
     pub(super) fn case(
         &mut self,
         system: &mut CoupledSystem,
@@ -45,15 +46,21 @@ impl ContactStepper {
         let moments = &self.memory.joints[joints.len()..];
         let couples = all.junctions.points(system.fibers, part.dt, moments);
         let lists = ContactLists { points, joints, couples };
-        let (mut case, mean) =
+        let (mut case, mut mean) =
             ContactProblem::new(system, lists, part.dt, &laws, before, self.segment_mass, room)?;
-        self.bend(system, &mut case, &mean, part.dt);
         laps.lap(&mut self.times.laws);
         system.push(case.pushes(), part.time, part.dt)?;
         let press = |group: &mut FiberGroup<_>, own: Impulses| group.press(own);
         let pressed = system.fibers.with_impulses(&part.all(), case.pushes(), press)?;
         part.note_pressed(&pressed);
         laps.lap(&mut self.times.rods);
+        if let Some(others) =
+            system.land(&mut part.touching, case.points(), &self.detector.joints)
+        {
+            self.set_out(system, part, case.pushes(), &others)?;
+            mean = case.velocities(system, StepVelocity::Mean);
+        }
+        self.bend(system, &mut case, &mean, part.dt);
         Ok((case, mean))
     }
 

@@ -1,7 +1,6 @@
 use super::adhesive_film::AdhesiveFilm;
 use super::ball_joints::{BallJoints, ContactJoints};
 use super::detection::ContactDetector;
-use super::flight::touch;
 use super::forcing_term::ForcingTerm;
 use super::initial_overlaps;
 use super::leaps::refuse_leaps;
@@ -236,13 +235,7 @@ impl ContactStepper {
         let pushes = || expected.pushes().chain(joints.iter().copied());
         system.push(pushes(), time, dt)?;
         self.set_out(system, part, pushes(), &part.all())?;
-        let mut points = self.list(system, part, expected)?;
-        while let Some(others) = system.land(&points, &self.detector.joints) {
-            self.set_out(system, part, pushes(), &others)?;
-            self.points = points;
-            points = self.list(system, part, expected)?;
-        }
-        touch(&mut part.touching, &points, &self.detector.joints);
+        let points = self.list(system, part, expected)?;
         let room = std::mem::take(&mut self.room);
         let (mut case, mean) = self.case(system, part, expected, points, room)?;
         let mut laps = PhaseTimer::start(self.stopwatch);
@@ -253,17 +246,9 @@ impl ContactStepper {
         let mut worst_touch = None;
         let mut through = false;
         for list in 0..MOST_LISTS {
-            let mut solved = self.converge(system, part, &mut case, list, effort, last)?;
+            let solved = self.converge(system, part, &mut case, list, effort, last)?;
             self.memory.joints = case.give_impulses();
-            let mut found = self.look_at_end(system, part, case.points())?;
-            while !(solved && found.deepest <= self.depth())
-                && let Some(others) = system.land(&found.points, &self.detector.joints)
-            {
-                self.set_out(system, part, case.pushes(), &others)?;
-                found = self.look_at_end(system, part, case.points())?;
-                solved = false;
-            }
-            touch(&mut part.touching, &found.points, &self.detector.joints);
+            let found = self.look_at_end(system, part, case.points())?;
             through = found.through;
             let mut laps = PhaseTimer::start(self.stopwatch);
             let mean = case.velocities(system, StepVelocity::Mean);
@@ -315,7 +300,7 @@ impl ContactStepper {
 
     /// Lets groups set out on a substep with some impulses, anew where they have done so already,
     /// but `others`.
-    fn set_out(
+    pub(super) fn set_out(
         &mut self,
         system: &mut CoupledSystem,
         part: &mut Substep,
