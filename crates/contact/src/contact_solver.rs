@@ -1,11 +1,11 @@
-use crate::{Admm, Body, Contact, ContactError, Polished, Report, Solver, Tolerance};
+use crate::{Adaptive, Body, Contact, ContactError, Polished, Report, Solver, Tolerance};
 use nalgebra::Vector3;
 
 /// A solver for many contacts, chosen at run time.
 #[derive(Debug, Clone)]
 pub enum ContactSolver {
-    /// Splitting alone.
-    Splitting(Admm),
+    /// One by one where contacts are few, splitting where they are many.
+    Adaptive(Adaptive),
     /// Splitting, then Gauss-Seidel where that is not enough.
     Polished(Polished),
 }
@@ -15,7 +15,7 @@ impl ContactSolver {
     #[must_use]
     pub fn tolerance(&self) -> &Tolerance {
         match self {
-            Self::Splitting(solver) => &solver.tolerance,
+            Self::Adaptive(solver) => &solver.tolerance,
             Self::Polished(solver) => &solver.tolerance,
         }
     }
@@ -23,15 +23,17 @@ impl ContactSolver {
     /// Sets the tolerances at which the solver stops.
     pub fn set_tolerance(&mut self, tolerance: Tolerance) {
         match self {
-            Self::Splitting(solver) => solver.tolerance = tolerance,
+            Self::Adaptive(solver) => solver.tolerance = tolerance,
             Self::Polished(solver) => solver.tolerance = tolerance,
         }
     }
 
-    /// Forgets what has led nowhere, [`Polished::forget`]: what comes now is another problem.
+    /// Forgets what has led nowhere, [`Adaptive::forget`] and [`Polished::forget`]: what comes now
+    /// is another problem.
     pub fn forget(&mut self) {
-        if let Self::Polished(solver) = self {
-            solver.forget();
+        match self {
+            Self::Adaptive(solver) => solver.forget(),
+            Self::Polished(solver) => solver.forget(),
         }
     }
 }
@@ -45,7 +47,7 @@ impl Solver for ContactSolver {
         impulses: &mut [Vector3<f64>],
     ) -> Result<Report, ContactError> {
         match self {
-            Self::Splitting(solver) => solver.solve(bodies, contacts, velocities, impulses),
+            Self::Adaptive(solver) => solver.solve(bodies, contacts, velocities, impulses),
             Self::Polished(solver) => solver.solve(bodies, contacts, velocities, impulses),
         }
     }

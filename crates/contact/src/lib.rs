@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod adaptive;
 mod adhesion;
 mod admm;
 mod body;
@@ -19,6 +20,7 @@ pub mod rigid;
 mod solver;
 pub mod thesis;
 
+pub use adaptive::Adaptive;
 pub use adhesion::{Bond, Cylinders, wet_pair_energy};
 pub use admm::Admm;
 pub use body::Body;

@@ -6,7 +6,7 @@ use crate::contact_point::ContactPoint;
 use crate::held_places::HeldPlaces;
 use crate::known_values::KnownValue;
 use crate::object::{CollisionObject, ObjectMotion};
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Isometry3, Point3, Rotation3, Vector3};
 use rapunzel_collision::Capsule;
 use rapunzel_collision::continuous::MovingSegment;
 use rapunzel_collision::field::{ContactSearch, DistanceField, FieldContact, Sample};
@@ -27,6 +27,24 @@ struct NodeByObject {
     least: f64,
     /// Square of how far it has gone in that frame, m^2.
     squared_way: f64,
+}
+
+/// Where an object is before and after a step of so many seconds.
+pub(crate) struct MovingObject {
+    poses: [Isometry3<f64>; 2],
+    turns: [Rotation3<f64>; 2],
+    /// Mean angular velocity of a given motion, rad/s.
+    spin: Vector3<f64>,
+    length: f64,
+}
+
+impl MovingObject {
+    pub(crate) fn new(object: &CollisionObject, step: TimeInterval) -> Self {
+        let poses = object.poses(step);
+        let spin = if poses[0] == poses[1] { Vector3::zeros() } else { object.led_spin(step) };
+        let turns = poses.map(|pose| pose.rotation.to_rotation_matrix());
+        Self { poses, turns, spin, length: step.length }
+    }
 }
 
 /// One fibre before and after a step.
@@ -94,20 +112,18 @@ impl CollisionObject {
         index: u32,
         strand: &MovingFiber,
         known: &mut [KnownValue],
-        step: TimeInterval,
+        moving: &MovingObject,
         margin: f64,
         found: &mut Vec<ContactPoint>,
     ) {
-        let poses = self.poses(step);
+        let MovingObject { poses, turns, spin, length: dt } = moving;
         let field = &*self.geometry.field;
         let slope = field.lipschitz();
-        let turns = poses.map(|pose| pose.rotation.to_rotation_matrix());
         let own = |node: &Point3<f64>, when: usize| {
             turns[when].inverse_transform_point(&(node - poses[when].translation.vector))
         };
         // Where it rests ways are as long in any frame.
         let rests = poses[0] == poses[1];
-        let spin = if rests { Vector3::zeros() } else { self.led_spin(step) };
         let squared_way = |node: usize| {
             let (before, after) = (&strand.start[node], &strand.end[node]);
             if rests { after - before } else { own(after, 1) - own(before, 0) }.norm_squared()
@@ -198,7 +214,7 @@ impl CollisionObject {
                     let axis = start + contact.fraction * (end - start);
                     let was = poses[0] * poses[1].inverse_transform_point(&axis);
                     let own = match &self.motion {
-                        ObjectMotion::Kinematic(_) => (axis - was) / step.length,
+                        ObjectMotion::Kinematic(_) => (axis - was) / *dt,
                         ObjectMotion::Dynamic(body) => axis - radius * normal - body.centers()[1],
                     };
                     #[expect(clippy::cast_possible_truncation, reason = "counted with 32 bits")]
@@ -210,7 +226,7 @@ impl CollisionObject {
                         normal,
                         arms: [end - start, own],
                         offsets: [-radius * normal, Vector3::zeros()],
-                        spin,
+                        spin: *spin,
                         gap: contact.gap,
                         kinematic: !self.is_free(),
                         ..ContactPoint::IDLE
@@ -288,7 +304,8 @@ mod tests {
         known: &mut [KnownValue],
     ) -> Vec<ContactPoint> {
         let (step, mut found) = (TimeInterval { start: 0.0, length: 1e-3 }, Vec::new());
-        object.contact_points(0, strand, known, step, RADIUS, &mut found);
+        let moving = MovingObject::new(object, step);
+        object.contact_points(0, strand, known, &moving, RADIUS, &mut found);
         found
     }
 

@@ -48,7 +48,8 @@ pub struct ContactSettings {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum ContactMethod {
     /// The method of multipliers, which solves all contacts at once, body by body and contact by
-    /// contact in turn, on all threads.
+    /// contact in turn, on all threads; Gauss-Seidel, one contact after another, where fibres have
+    /// no more than four contacts each, on the average.
     #[default]
     Splitting,
     /// Twenty iterations of `Splitting`, then Gauss-Seidel on the contacts that still violate the

@@ -143,7 +143,8 @@ impl<'a, 'b> AdmmPart<'a, 'b> {
         }
         let first = state.sides.at_points(&self.points).start;
         for (point, v) in self.points.clone().zip(&workspace.point_velocities) {
-            let (lightness, root) = (1.0 / metric[point], metric[point].sqrt());
+            let lightness = 1.0 / metric[point];
+            let root = if ends_step { metric[point].sqrt() } else { 0.0 };
             for side in sides.at_point(point) {
                 let before = h.get(side);
                 let z = before + state.side_impulse(side) * lightness;

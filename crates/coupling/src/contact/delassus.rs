@@ -118,6 +118,31 @@ impl<T: RealField + Copy> MatrixStrips<T> {
     }
 }
 
+impl MatrixStrips<f32> {
+    /// The velocities of so few points that all are in one strip, which needs no workspace.
+    #[inline(always)]
+    fn multiply_few(
+        &self,
+        points: &[usize],
+        impulses: &[Vector3<f64>],
+        velocities: &mut [Vector3<f64>],
+    ) {
+        let (mut from, mut to) = ([0.0_f32; ROWS], [0.0_f32; ROWS]);
+        for (from, &point) in from.as_chunks_mut::<3>().0.iter_mut().zip(points) {
+            let impulse = &impulses[point];
+            *from = [
+                convert_unchecked(impulse.x),
+                convert_unchecked(impulse.y),
+                convert_unchecked(impulse.z),
+            ];
+        }
+        self.multiply(&from[..(3 * points.len()).next_multiple_of(COLUMNS)], &mut to);
+        for (&[x, y, z], &point) in to.as_chunks::<3>().0.iter().zip(points) {
+            velocities[point] = Vector3::new(f64::from(x), f64::from(y), f64::from(z));
+        }
+    }
+}
+
 /// How far apart the columns are that masses are added to.
 fn stride(size: usize) -> usize {
     size.next_multiple_of(LANES)
@@ -260,6 +285,11 @@ impl NullaryFnOnce for DelassusProduct<'_> {
                             UnitResponse::Double(columns) => multiply(columns, &side_by_side),
                         };
                     }
+                }
+                (InertiaKind::Weighted, WeightedDelassus::Single(matrix))
+                    if 3 * points.len() <= ROWS =>
+                {
+                    matrix.multiply_few(points, impulses, velocities);
                 }
                 (InertiaKind::Weighted, WeightedDelassus::Single(matrix)) => {
                     single.gather(points, impulses);

@@ -7,7 +7,7 @@ use super::sections::OrientedSections;
 use super::tunnelling::{bends, goes_on, keep_sides, leads_through};
 use crate::body_ref::BodyRef;
 use crate::contact_point::{ContactPoint, same_place};
-use crate::fiber_on_object::MovingFiber;
+use crate::fiber_on_object::{MovingFiber, MovingObject};
 use crate::held_places::HeldPlaces;
 use crate::known_values::{KnownValue, KnownValues};
 use crate::merging::{merge, retain_others};
@@ -197,10 +197,13 @@ impl ContactDetector {
         margin: f64,
     ) -> Vec<ContactPoint> {
         let Self { rooted, in_nozzles, known, .. } = self;
+        let moving: Vec<_> =
+            objects.iter().map(|object| MovingObject::new(object, motion.step)).collect();
         let strand = |(fiber, known): (usize, &mut Vec<KnownValue>)| {
             let mut found = Vec::new();
             let nodes = motion.layout.node_range(fiber);
-            for ((index, object), known) in (0..).zip(objects).zip(known.chunks_mut(nodes.len())) {
+            let all = (0..).zip(objects).zip(&moving).zip(known.chunks_mut(nodes.len()));
+            for (((index, object), moving), known) in all {
                 let number = fiber_number(fiber);
                 let strand = MovingFiber {
                     fiber: number,
@@ -211,7 +214,7 @@ impl ContactDetector {
                     end: &motion.end[nodes.clone()],
                     radii: &motion.radii()[motion.layout.segment_range(fiber)],
                 };
-                object.contact_points(index, &strand, known, motion.step, margin, &mut found);
+                object.contact_points(index, &strand, known, moving, margin, &mut found);
             }
             found
         };

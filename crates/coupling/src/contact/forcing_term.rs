@@ -53,7 +53,7 @@ impl ForcingTerm {
     /// With contacts that are new where fibres were left so many times deeper in each other than
     /// they may be. Where hardly any are, loose answers lead away.
     pub(super) fn where_off(times: f64) -> Self {
-        if times > OFF && std::env::var_os("V2").is_none() {
+        if times > OFF {
             Self { slack: LOOSE.min(PART * times), most: MOST_ROUGH_ITERATIONS }
         } else {
             Self::LAST

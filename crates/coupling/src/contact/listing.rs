@@ -10,10 +10,10 @@ use super::substep_failure::SubstepFailure;
 use super::system::CoupledSystem;
 use super::velocities::Velocities;
 use super::warm_start::{ExpectedImpulses, cache_impulses, cached_impulses, match_cached};
-use crate::{FiberGroup, TimeInterval};
 use crate::contact_point::ContactPoint;
 use crate::held_places::{HeldPlace, HeldPlaces};
 use crate::phase_times::PhaseTimer;
+use crate::{FiberGroup, TimeInterval};
 use nalgebra::Vector3;
 use rapunzel_collision::CollisionError;
 use rapunzel_rod_dynamic::{Impulses, StepVelocity};
@@ -54,8 +54,7 @@ impl ContactStepper {
         let pressed = system.fibers.with_impulses(&part.all(), case.pushes(), press)?;
         part.note_pressed(&pressed);
         laps.lap(&mut self.times.rods);
-        if let Some(others) =
-            system.land(&mut part.touching, case.points(), &self.detector.joints)
+        if let Some(others) = system.land(&mut part.touching, case.points(), &self.detector.joints)
         {
             self.set_out(system, part, case.pushes(), &others)?;
             mean = case.velocities(system, StepVelocity::Mean);

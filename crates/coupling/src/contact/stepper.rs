@@ -16,7 +16,7 @@ use crate::merging::merged;
 use crate::phase_times::{ContactTimes, PhaseTimer, Stopwatch};
 use crate::{CouplingError, FiberGroup, StepReport, TimeInterval};
 use nalgebra::Vector3;
-use rapunzel_contact::{Admm, ContactSolver, Polished, Tolerance};
+use rapunzel_contact::{Adaptive, ContactSolver, Polished, Tolerance};
 use rapunzel_rod_dynamic::{Impulses, StaggeredBatch, StepVelocity};
 use rapunzel_scene::{Adhesion, ContactMethod, ContactSettings};
 
@@ -80,7 +80,7 @@ impl ContactStepper {
             ContactDetector::new(MARGIN * largest + range, WIDE * largest, film.is_some())?;
         detector.joints = BallJoints::new(joints, system)?;
         let solver = match settings.solver {
-            ContactMethod::Splitting => ContactSolver::Splitting(Admm::new(Tolerance::EXACT)),
+            ContactMethod::Splitting => ContactSolver::Adaptive(Adaptive::new(Tolerance::EXACT)),
             ContactMethod::Polished => ContactSolver::Polished(Polished::new(Tolerance::EXACT)),
         };
         let mut stepper = Self {

@@ -8,6 +8,13 @@ use crate::array_pool::PooledArray;
 use crate::{StepReport, TimeInterval};
 use nalgebra::Point3;
 
+/// How fast rods may turn that are not in balance, rad/s: what a step leaves of that, in a segment of
+/// some millimetres, is a tenth of the slip that contacts may have.
+const MISSPIN: f64 = 1e-3;
+/// What is left after an increment from a shape that is off by another one, in their product: that
+/// of falling hair, where most of it is less than one.
+const CURVATURE: f64 = 4.0;
+
 /// A substep: the part of a step at hand.
 pub(super) struct Substep {
     /// Start and length of the substep, s.
@@ -36,18 +43,34 @@ impl Substep {
         Self { time, dt, start, work, work_of_couples: 0.0, report, turns, touching }
     }
 
-    /// By group, whether its fibres have hardly turned since they were linearised.
+    /// By group, whether its fibres have turned so little since they were linearised that a chord
+    /// step is as good as one of Newton's.
     pub(super) fn still(&self) -> Vec<bool> {
-        self.turns.iter().map(|turn| *turn < LAST_TURN).collect()
+        let most = (self.misturn() / CURVATURE).sqrt();
+        self.turns.iter().map(|turn| *turn < most).collect()
+    }
+
+    /// How far from balance rods may be turned, rad.
+    fn misturn(&self) -> f64 {
+        MISSPIN * self.dt
     }
 
     /// Notes by what largest increments, rad, groups turned, but those that did not move. Groups
-    /// that were not still had been linearised.
-    pub(super) fn note_turns(&mut self, turns: &[f64], unmoved: &[bool]) {
-        let own = self.turns.iter_mut().zip(turns).zip(unmoved);
-        own.filter(|(_, unmoved)| !**unmoved).for_each(|((own, turn), _)| {
-            *own = if *own < LAST_TURN { *own + turn } else { *turn };
-        });
+    /// that were not still had been linearised. Returns the largest increment that may be followed
+    /// by others: not of a chord step that leads as near to balance as may be.
+    pub(super) fn note_turns(&mut self, turns: &[f64], unmoved: &[bool]) -> f64 {
+        let (still, misturn) = (self.still(), self.misturn());
+        let mut largest = 0.0_f64;
+        let own = self.turns.iter_mut().zip(turns).zip(unmoved.iter().zip(still));
+        for ((own, &turn), (_, still)) in own.filter(|(_, (unmoved, _))| !**unmoved) {
+            *own = if still { *own + turn } else { turn };
+            if !still {
+                largest = largest.max(turn);
+            } else if CURVATURE * *own * turn > misturn {
+                (*own, largest) = (f64::INFINITY, largest.max(turn).max(LAST_TURN));
+            }
+        }
+        largest
     }
 
     /// Notes where impulses were replaced by others, which a linearisation did not know.

@@ -1,7 +1,7 @@
 //! Impulses and responses of the rods, converted between vectors of nodes or points and SIMD lanes.
 
 use super::array::{at, lanes, set};
-use super::response::{ImpulseColumns, Inertia, Question};
+use super::response::{Inertia, Question};
 use super::simd_batch::SimdBatch;
 use crate::{Point, PointAction, PointResponses};
 use nalgebra::{DMatrix, Matrix3, Vector3};
@@ -136,7 +136,7 @@ impl<S: Simd> BatchResponse for SimdBatch<S> {
                 PointResponses { points, matrix }
             })
             .collect();
-        let mut columns = ImpulseColumns::<S>::new(self.chain.n);
+        let mut columns = self.borrow_columns();
         let most = all.iter().map(|one| one.points.len()).max().unwrap_or(0);
         for turn in 0..most {
             let now = || all.iter().filter_map(|one| one.points.get(turn));
@@ -190,6 +190,7 @@ impl<S: Simd> BatchResponse for SimdBatch<S> {
                 }
             }
         }
+        self.chain.room.columns = columns;
         all.retain(|one| !one.points.is_empty());
         all
     }

@@ -6,7 +6,6 @@
 
 use super::array::{at, fit, get, set};
 use super::attempt::BatchAttempts;
-use super::response::ImpulseColumns;
 use super::scheme::StepProblem;
 use super::simd_batch::SimdBatch;
 use super::velocity_lanes::BatchVelocities;
@@ -88,7 +87,7 @@ impl<S: Simd> BatchJointLoads for SimdBatch<S> {
             })
             .collect();
         let gains = self.accelerations_by_way();
-        let mut columns = ImpulseColumns::<S>::new(self.chain.n);
+        let mut columns = self.borrow_columns();
         let most = fibers.iter().map(Vec::len).max().unwrap_or(0);
         for turn in 0..most {
             let now: Vec<(usize, LoadPoint)> = orders
@@ -127,6 +126,7 @@ impl<S: Simd> BatchJointLoads for SimdBatch<S> {
                 }
             }
         }
+        self.chain.room.columns = columns;
         all
     }
 

@@ -48,13 +48,17 @@ pub(super) struct ImpulseColumns<S: Simd> {
 }
 
 impl<S: Simd> ImpulseColumns<S> {
-    pub(super) fn new(n: usize) -> Self {
-        Self {
-            values: zeros::<S>(9 * (n + 1)),
-            turns: zeros::<S>(9 * n),
-            loads: zeros::<S>(18 * n),
-            solution: zeros::<S>(18 * n),
-        }
+    pub(super) fn empty() -> Self {
+        let none = || zeros::<S>(0);
+        Self { values: none(), turns: none(), loads: none(), solution: none() }
+    }
+
+    /// Resizes all arrays to rods of `n` segments.
+    pub(super) fn fit(&mut self, n: usize) {
+        fit::<S>(&mut self.values, 9 * (n + 1));
+        fit::<S>(&mut self.turns, 9 * n);
+        fit::<S>(&mut self.loads, 18 * n);
+        fit::<S>(&mut self.solution, 18 * n);
     }
 }
 
@@ -161,6 +165,14 @@ fn moved<S: Simd>(
 }
 
 impl<S: Simd> SimdBatch<S> {
+    /// Borrows room for three sets of impulses, to be put back; its numbers are of another use.
+    pub(super) fn borrow_columns(&mut self) -> ImpulseColumns<S> {
+        let room = &mut self.chain.room.columns;
+        let mut columns = std::mem::replace(room, ImpulseColumns::empty());
+        columns.fit(self.chain.n);
+        columns
+    }
+
     /// Replaces three sets of impulses (N s, N m s) in `columns` by mean velocities (m/s, rad/s),
     /// from node and segment `from` on, in one solve.
     pub(super) fn respond_thrice(&mut self, from: usize, columns: &mut ImpulseColumns<S>) {

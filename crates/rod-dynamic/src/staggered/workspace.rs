@@ -6,6 +6,7 @@
 
 use super::array::{Array, fit, zeros};
 use super::factor::{Factor, Right};
+use super::response::ImpulseColumns;
 use pulp::Simd;
 use pulp::bytemuck::Zeroable;
 use std::any::Any;
@@ -73,6 +74,8 @@ pub(super) struct BatchWorkspace<S: Simd> {
     pub(super) inertia: Array<S>,
     /// Inertias of the masses added beside the axis, kg m^2, world (6 per segment); empty without.
     pub(super) gyration: Array<S>,
+    /// Room for three sets of impulses, as large as was last asked for.
+    pub(super) columns: ImpulseColumns<S>,
     /// Storage that a batch uses which has no [`Kept`] of its own.
     pub(super) kept: Kept<S>,
 }
@@ -128,6 +131,7 @@ impl<S: Simd> BatchWorkspace<S> {
             mass: none(),
             inertia: none(),
             gyration: none(),
+            columns: ImpulseColumns::empty(),
             kept: Kept::empty(),
         }
     }

@@ -1,6 +1,7 @@
 //! The laws of contact: limit curves, one contact, many contacts, impacts, adhesion, rigid
 //! bodies.
 
+mod adaptive;
 mod adhesion;
 mod admm;
 mod beams;

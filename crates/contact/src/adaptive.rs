@@ -1,0 +1,86 @@
+//! One by one where contacts are few, splitting where they are many.
+
+use crate::{Admm, Body, Contact, ContactError, GaussSeidel, Report, Solver, Tolerance};
+use nalgebra::Vector3;
+
+/// Sides of contacts, on the average of what moves, up to which contacts are few.
+const FEW: usize = 4;
+/// Part of the tolerances that contacts are solved to one by one: each leaves as much as it may.
+const PART: f64 = 0.3;
+/// Relaxation of Gauss-Seidel.
+const RELAXATION: f64 = 1.2;
+/// Most iterations of Gauss-Seidel.
+const GAUSS_SEIDEL_ITERATIONS: usize = 200;
+/// Iterations of Gauss-Seidel in which it must come nearer.
+const GAUSS_SEIDEL_PATIENCE: usize = 20;
+
+/// [`GaussSeidel`] where what moves has few contacts each, as hair that falls and hangs, and
+/// [`Admm`] where it has many, where bodies have no [dense operator](Body::dense_delassus), and
+/// where the first does not come to an end.
+///
+/// Few contacts make many small problems that know nothing of each other. Gauss-Seidel ends each
+/// when it is solved; every iteration of splitting is one of all, until the last is solved.
+#[derive(Debug, Clone)]
+pub struct Adaptive {
+    /// Tolerances at which it stops.
+    pub tolerance: Tolerance,
+    splitting: Admm,
+    /// Whether solving one by one has led nowhere.
+    stalled: bool,
+}
+
+impl Adaptive {
+    /// A solver that stops at these tolerances.
+    #[must_use]
+    pub fn new(tolerance: Tolerance) -> Self {
+        Self { tolerance, splitting: Admm::new(tolerance), stalled: false }
+    }
+
+    /// Forgets that solving one by one has led nowhere, since when only splitting is tried: what
+    /// comes now is another problem.
+    pub fn forget(&mut self) {
+        self.stalled = false;
+    }
+}
+
+impl Solver for Adaptive {
+    fn solve(
+        &mut self,
+        bodies: &mut [&mut dyn Body],
+        contacts: &[Contact],
+        velocities: &[Vector3<f64>],
+        impulses: &mut [Vector3<f64>],
+    ) -> Result<Report, ContactError> {
+        let Tolerance { residual, normal, slip, iterations: most } = self.tolerance;
+        let mut spent = 0;
+        if !self.stalled && are_few(bodies, contacts) {
+            let tolerance = Tolerance {
+                residual: PART * residual,
+                normal: PART * normal,
+                slip: PART * slip,
+                iterations: GAUSS_SEIDEL_ITERATIONS.min(most),
+            };
+            let (patience, relaxation) = (GAUSS_SEIDEL_PATIENCE, RELAXATION);
+            let mut one_by_one = GaussSeidel { tolerance, patience, relaxation };
+            let given = impulses.to_vec();
+            let found = one_by_one.solve(bodies, contacts, velocities, impulses)?;
+            let converged = self.tolerance.reached(&found);
+            if converged || found.iterations >= most {
+                return Ok(Report { converged, ..found });
+            }
+            // Where that has led has few errors, but large ones.
+            impulses.copy_from_slice(&given);
+            (spent, self.stalled) = (found.iterations, true);
+        }
+        self.splitting.tolerance = Tolerance { iterations: most - spent, ..self.tolerance };
+        let found = self.splitting.solve(bodies, contacts, velocities, impulses)?;
+        Ok(Report { iterations: spent + found.iterations, ..found })
+    }
+}
+
+/// Whether all that moves has a dense operator at hand, and few contacts.
+fn are_few(bodies: &[&mut dyn Body], contacts: &[Contact]) -> bool {
+    let sides = contacts.iter().map(|contact| 1 + usize::from(contact.second.is_some()));
+    let moving = bodies.iter().map(|body| body.dense_delassus().map(|groups| groups.len()));
+    moving.sum::<Option<usize>>().is_some_and(|moving| sides.sum::<usize>() <= FEW * moving)
+}
