@@ -6,9 +6,7 @@ use nalgebra::Vector3;
 /// Sides of contacts, on the average of what moves, up to which contacts are few.
 const FEW: usize = 4;
 /// Part of the tolerances that contacts are solved to one by one: each leaves as much as it may.
-const PART: f64 = 0.3;
-/// Relaxation of Gauss-Seidel.
-const RELAXATION: f64 = 1.2;
+const PART: f64 = 0.1;
 /// Most iterations of Gauss-Seidel.
 const GAUSS_SEIDEL_ITERATIONS: usize = 200;
 /// Iterations of Gauss-Seidel in which it must come nearer.
@@ -60,8 +58,8 @@ impl Solver for Adaptive {
                 slip: PART * slip,
                 iterations: GAUSS_SEIDEL_ITERATIONS.min(most),
             };
-            let (patience, relaxation) = (GAUSS_SEIDEL_PATIENCE, RELAXATION);
-            let mut one_by_one = GaussSeidel { tolerance, patience, relaxation };
+            let (patience, relaxation) = (GAUSS_SEIDEL_PATIENCE, 1.0);
+            let mut one_by_one = GaussSeidel { tolerance, patience, relaxation, sweeps: true };
             let given = impulses.to_vec();
             let found = one_by_one.solve(bodies, contacts, velocities, impulses)?;
             let converged = self.tolerance.reached(&found);

@@ -81,7 +81,7 @@ impl Solver for Polished {
         let iterations = GAUSS_SEIDEL_ITERATIONS.min(most - spent);
         let tolerance = Tolerance { iterations, ..self.tolerance };
         let (patience, relaxation) = (GAUSS_SEIDEL_PATIENCE, RELAXATION);
-        let mut one_by_one = GaussSeidel { tolerance, patience, relaxation };
+        let mut one_by_one = GaussSeidel { tolerance, patience, relaxation, sweeps: false };
         let found = one_by_one.solve(bodies, contacts, &velocities, impulses)?;
         spent += found.iterations;
         if found.converged || spent >= most {

@@ -137,6 +137,9 @@ impl<'a> ImpulseSearch<'a> {
         let stride = (self.solver.patience / FRUITLESS_CHECKS).max(1).saturating_mul(count);
         let (mut pass, mut solved, mut before) = (PassBounds::FIRST, 0, None);
         let (mut wrong, mut misses) = (usize::MAX, 0);
+        if self.solver.sweeps && count <= most {
+            solved += Arch::new().dispatch(Sweep { search: &mut self, order: &order });
+        }
         loop {
             for (impulse, site) in impulses.iter_mut().zip(&self.sites) {
                 *impulse = site.impulse;
@@ -288,6 +291,24 @@ impl NullaryFnOnce for RelaxationPass<'_, '_> {
             }
         }
         solved
+    }
+}
+
+/// Solves all contacts once, and returns their number.
+struct Sweep<'s, 'a> {
+    search: &'s mut ImpulseSearch<'a>,
+    order: &'s [u32],
+}
+
+impl NullaryFnOnce for Sweep<'_, '_> {
+    type Output = usize;
+
+    #[inline(always)]
+    fn call(self) -> usize {
+        for &i in self.order {
+            self.search.solve(i as usize);
+        }
+        self.order.len()
     }
 }
 

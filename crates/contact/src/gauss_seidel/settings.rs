@@ -19,13 +19,16 @@ pub struct GaussSeidel {
     /// before; [`usize::MAX`] for never. Contacts that hold each other may be solved round and
     /// round.
     pub patience: usize,
+    /// Whether every contact is solved once, right or not, before those that are wrong: what few
+    /// others hold is exact then, and not only as right as it must be.
+    pub sweeps: bool,
 }
 
 impl GaussSeidel {
     /// The solver without relaxation, which does not give up before its last iteration.
     #[must_use]
     pub fn new(tolerance: Tolerance) -> Self {
-        Self { tolerance, relaxation: 1.0, patience: usize::MAX }
+        Self { tolerance, relaxation: 1.0, patience: usize::MAX, sweeps: false }
     }
 
     /// Checks tolerances and relaxation.

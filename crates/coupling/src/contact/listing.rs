@@ -3,7 +3,7 @@
 use super::detection::Overlaps;
 use super::laws::ContactLaws;
 use super::node_arrays::FiberVelocities;
-use super::problem::{ContactLists, ContactProblem, ProblemWorkspace};
+use super::problem::{ContactLists, ContactProblem};
 use super::stepper::ContactStepper;
 use super::substep::Substep;
 use super::substep_failure::SubstepFailure;
@@ -16,7 +16,7 @@ use crate::phase_times::PhaseTimer;
 use crate::{FiberGroup, TimeInterval};
 use nalgebra::Vector3;
 use rapunzel_collision::CollisionError;
-use rapunzel_rod_dynamic::{Impulses, StepVelocity};
+use rapunzel_rod_dynamic::Impulses;
 
 /// How much deeper, in the depth that is allowed, a fibre may be beside where it rests on an
 /// object: less than what is worth a contact of its own.
@@ -24,15 +24,13 @@ const HELD: f64 = 0.25;
 
 impl ContactStepper {
     /// The problem of contact points that were listed where the step has been solved to, and mean
-    /// velocities of what they touch. From now on no impulses act but theirs, and fibres that flew
-    /// bear them: those set out anew.
+    /// velocities there of what they touch. From now on no impulses act but theirs.
     pub(super) fn case(
         &mut self,
         system: &mut CoupledSystem,
         part: &mut Substep,
         expected: &ExpectedImpulses,
         points: Vec<ContactPoint>,
-        room: ProblemWorkspace,
     ) -> Result<(ContactProblem, FiberVelocities), SubstepFailure> {
         let mut laps = PhaseTimer::start(self.stopwatch);
         let gravity = system.environment.gravity_at(part.time + 0.5 * part.dt).norm();
@@ -46,7 +44,8 @@ impl ContactStepper {
         let moments = &self.memory.joints[joints.len()..];
         let couples = all.junctions.points(system.fibers, part.dt, moments);
         let lists = ContactLists { points, joints, couples };
-        let (mut case, mut mean) =
+        let room = std::mem::take(&mut self.room);
+        let (case, mean) =
             ContactProblem::new(system, lists, part.dt, &laws, before, self.segment_mass, room)?;
         laps.lap(&mut self.times.laws);
         system.push(case.pushes(), part.time, part.dt)?;
@@ -54,12 +53,6 @@ impl ContactStepper {
         let pressed = system.fibers.with_impulses(&part.all(), case.pushes(), press)?;
         part.note_pressed(&pressed);
         laps.lap(&mut self.times.rods);
-        if let Some(others) = system.land(&mut part.touching, case.points(), &self.detector.joints)
-        {
-            self.set_out(system, part, case.pushes(), &others)?;
-            mean = case.velocities(system, StepVelocity::Mean);
-        }
-        self.bend(system, &mut case, &mean, part.dt);
         Ok((case, mean))
     }
 

@@ -4,7 +4,8 @@ use super::detection::ContactDetector;
 use super::forcing_term::ForcingTerm;
 use super::initial_overlaps;
 use super::leaps::refuse_leaps;
-use super::problem::ProblemWorkspace;
+use super::node_arrays::FiberVelocities;
+use super::problem::{ContactProblem, ProblemWorkspace};
 use super::sections::SectionShapes;
 use super::substep::Substep;
 use super::substep_failure::{SubstepFailure, lost};
@@ -17,7 +18,7 @@ use crate::phase_times::{ContactTimes, PhaseTimer, Stopwatch};
 use crate::{CouplingError, FiberGroup, StepReport, TimeInterval};
 use nalgebra::Vector3;
 use rapunzel_contact::{Adaptive, ContactSolver, Polished, Tolerance};
-use rapunzel_rod_dynamic::{Impulses, StaggeredBatch, StepVelocity};
+use rapunzel_rod_dynamic::{Impulses, StepVelocity};
 use rapunzel_scene::{Adhesion, ContactMethod, ContactSettings};
 
 /// Most lists of contacts in a substep.
@@ -28,6 +29,10 @@ pub(super) const PATIENCE: usize = 3;
 const MARGIN: f64 = 0.5;
 /// Radii by which the first list of a step, of where it is expected to lead, is wider.
 const WIDE: f64 = 0.5;
+/// Part of the slip that contacts may have by which ends of segments may move that are not in balance.
+const MISSLIP: f64 = 0.1;
+/// Ways of what lands, in radii, up to which it is where it was listed.
+const NEAR: f64 = 0.2;
 /// Most halvings of a step.
 const MOST_HALVINGS: u32 = 6;
 
@@ -43,12 +48,14 @@ pub(super) struct ContactStepper {
     radius: f64,
     /// Mass of a segment of the lightest fibre, kg.
     pub(super) segment_mass: f64,
+    /// How fast segments may turn that are not in balance, rad/s.
+    misspin: f64,
     /// Bonds at the start of a run.
     bonds: Vec<CachedImpulse>,
     /// Contact points of the last substep, whose memory the next list takes.
     pub(super) points: Vec<ContactPoint>,
     /// Workspace of the last contact problem.
-    room: ProblemWorkspace,
+    pub(super) room: ProblemWorkspace,
     /// Time that phases of the step at hand have taken.
     pub(super) times: ContactTimes,
     /// What touched in the last part.
@@ -67,6 +74,8 @@ impl ContactStepper {
         let assembly = system.fibers.assembly();
         let segments = assembly.fibers().iter().map(|f| f.mass() / f.segments() as f64);
         let segment_mass = segments.fold(f64::INFINITY, f64::min);
+        let lengths = assembly.fibers().iter().flat_map(|f| f.segment_lengths());
+        let misspin = MISSLIP * settings.slip / lengths.copied().fold(0.0, f64::max);
         let shapes = SectionShapes::new(assembly);
         let radius = assembly.radii().iter().copied().fold(f64::INFINITY, f64::min);
         let largest = shapes.radii.iter().copied().fold(0.0, f64::max);
@@ -91,6 +100,7 @@ impl ContactStepper {
             shapes,
             radius,
             segment_mass,
+            misspin,
             bonds: Vec::new(),
             points: Vec::new(),
             room: ProblemWorkspace::default(),
@@ -184,7 +194,7 @@ impl ContactStepper {
         last: bool,
     ) -> Result<StepReport, SubstepFailure> {
         self.solver.forget();
-        let mut part = Substep::new(time, dt, system);
+        let mut part = Substep::new(time, dt, system, self.misspin);
         // It is forces that last: impulses grow with the step.
         let scale = self.memory.dt.map_or(0.0, |before| dt / before);
         let first = self.memory.dt.is_none();
@@ -236,8 +246,7 @@ impl ContactStepper {
         system.push(pushes(), time, dt)?;
         self.set_out(system, part, pushes(), &part.all())?;
         let points = self.list(system, part, expected)?;
-        let room = std::mem::take(&mut self.room);
-        let (mut case, mean) = self.case(system, part, expected, points, room)?;
+        let (mut case, mean) = self.case_of_landed(system, part, expected, points)?;
         let mut laps = PhaseTimer::start(self.stopwatch);
         let start = case.certificate(system, &mean);
         laps.lap(&mut self.times.laws);
@@ -286,7 +295,8 @@ impl ContactStepper {
             case.set_gaps(system, &mean, dt);
             let (bearing, room) = case.into_parts();
             let points = merged(bearing, &found.points, self.shallow(), list < PATIENCE);
-            case = self.case(system, part, expected, points, room)?.0;
+            self.room = room;
+            case = self.case_of_landed(system, part, expected, points)?.0;
             effort = self.rough(ForcingTerm::where_off(found.deepest / self.depth()));
         }
         let worst_touch = worst_touch.or_else(|| case.worst(system, time));
@@ -298,26 +308,51 @@ impl ContactStepper {
         Ok(())
     }
 
+    /// The problem of contact points. Fibres that flew bear them: those set out anew, and where that
+    /// leads away from where contact points were listed these are listed again.
+    fn case_of_landed(
+        &mut self,
+        system: &mut CoupledSystem,
+        part: &mut Substep,
+        expected: &ExpectedImpulses,
+        mut points: Vec<ContactPoint>,
+    ) -> Result<(ContactProblem, FiberVelocities), SubstepFailure> {
+        loop {
+            let (mut case, mut mean) = self.case(system, part, expected, points)?;
+            let landing = system.land(&mut part.touching, case.points(), &self.detector.joints);
+            let Some(others) = landing else {
+                self.bend(system, &mut case, &mean, part.dt);
+                return Ok((case, mean));
+            };
+            let way = self.set_out(system, part, case.pushes(), &others)?;
+            if way < NEAR * self.radius {
+                mean = case.velocities(system, StepVelocity::Mean);
+                self.bend(system, &mut case, &mean, part.dt);
+                return Ok((case, mean));
+            }
+            (self.points, self.room) = case.into_parts();
+            points = self.list(system, part, expected)?;
+        }
+    }
+
     /// Lets groups set out on a substep with some impulses, anew where they have done so already,
-    /// but `others`.
-    pub(super) fn set_out(
+    /// but `others`. Returns the longest way, m, between where a node was solved to before and
+    /// after.
+    fn set_out(
         &mut self,
         system: &mut CoupledSystem,
         part: &mut Substep,
         pushes: impl Iterator<Item = ContactImpulse>,
         others: &[bool],
-    ) -> Result<(), SubstepFailure> {
+    ) -> Result<f64, SubstepFailure> {
         let mut laps = PhaseTimer::start(self.stopwatch);
         let (time, dt) = (part.time, part.dt);
-        let set_out = |group: &mut FiberGroup<StaggeredBatch>, own: Impulses| {
-            group.batch.abandon();
-            group.set_out(time, dt, own)
-        };
-        let turns = system.fibers.with_impulses(others, pushes, set_out)?;
-        let new = part.turns.iter_mut().zip(&turns).zip(others).filter(|(_, other)| !**other);
-        new.for_each(|((own, turn), _)| *own = *turn);
+        let set_out = |group: &mut FiberGroup<_>, own: Impulses| group.set_out_anew(time, dt, own);
+        let done = system.fibers.with_impulses(others, pushes, set_out)?;
+        let new = part.turns.iter_mut().zip(&done).zip(others).filter(|(_, other)| !**other);
+        new.for_each(|((own, [turn, _]), _)| *own = *turn);
         laps.lap(&mut self.times.rods);
-        Ok(())
+        Ok(done.into_iter().map(|[_, way]| way).fold(0.0, f64::max))
     }
 
     /// How deep in each other things may be after a step, m: so little that a film does not tear by

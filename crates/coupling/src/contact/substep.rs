@@ -8,9 +8,6 @@ use crate::array_pool::PooledArray;
 use crate::{StepReport, TimeInterval};
 use nalgebra::Point3;
 
-/// How fast rods may turn that are not in balance, rad/s: what a step leaves of that, in a segment of
-/// some millimetres, is a tenth of the slip that contacts may have.
-const MISSPIN: f64 = 1e-3;
 /// What is left after an increment from a shape that is off by another one, in their product: that
 /// of falling hair, where most of it is less than one.
 const CURVATURE: f64 = 4.0;
@@ -29,37 +26,36 @@ pub(super) struct Substep {
     /// How far the fibres of each group have turned since they were linearised, rad; infinitely
     /// where that tells nothing of how they move now.
     pub(super) turns: Vec<f64>,
+    /// How far from balance rods may be turned, rad.
+    misturn: f64,
     /// By fibre, whether a list of the substep had contact points of it.
     pub(super) touching: Vec<bool>,
 }
 
 impl Substep {
-    /// The substep that starts at `time` and takes `dt`, s, of fibres as they are now.
-    pub(super) fn new(time: f64, dt: f64, system: &CoupledSystem) -> Self {
+    /// The substep that starts at `time` and takes `dt`, s, of fibres as they are now, which may
+    /// turn by `misspin`, rad/s, more than is in balance.
+    pub(super) fn new(time: f64, dt: f64, system: &CoupledSystem, misspin: f64) -> Self {
         let start = system.fibers.positions();
         let (work, report) = (ContactWork::default(), StepReport::default());
         let turns = vec![f64::INFINITY; system.fibers.groups.len()];
         let touching = vec![false; system.fibers.assembly().fibers().len()];
-        Self { time, dt, start, work, work_of_couples: 0.0, report, turns, touching }
+        let misturn = misspin * dt;
+        Self { time, dt, start, work, work_of_couples: 0.0, report, turns, misturn, touching }
     }
 
     /// By group, whether its fibres have turned so little since they were linearised that a chord
     /// step is as good as one of Newton's.
     pub(super) fn still(&self) -> Vec<bool> {
-        let most = (self.misturn() / CURVATURE).sqrt();
+        let most = (self.misturn / CURVATURE).sqrt();
         self.turns.iter().map(|turn| *turn < most).collect()
-    }
-
-    /// How far from balance rods may be turned, rad.
-    fn misturn(&self) -> f64 {
-        MISSPIN * self.dt
     }
 
     /// Notes by what largest increments, rad, groups turned, but those that did not move. Groups
     /// that were not still had been linearised. Returns the largest increment that may be followed
     /// by others: not of a chord step that leads as near to balance as may be.
     pub(super) fn note_turns(&mut self, turns: &[f64], unmoved: &[bool]) -> f64 {
-        let (still, misturn) = (self.still(), self.misturn());
+        let (still, misturn) = (self.still(), self.misturn);
         let mut largest = 0.0_f64;
         let own = self.turns.iter_mut().zip(turns).zip(unmoved.iter().zip(still));
         for ((own, &turn), (_, still)) in own.filter(|(_, (unmoved, _))| !**unmoved) {
