@@ -1,10 +1,9 @@
 use crate::StepReport;
 use crate::batch::RodBatch;
 use crate::conditions::{BundleConditions, FiberConditions};
-use nalgebra::{Isometry3, Point3, Quaternion, Rotation3, Translation3, UnitQuaternion};
+use nalgebra::{Isometry3, Quaternion, Rotation3, Translation3, UnitQuaternion};
 use rapunzel_rod_dynamic::{
-    self as rod, Conditions, ImpulseResponse, Impulses, RodError, RodState, SectionLaws,
-    StaggeredBatch, StepError,
+    self as rod, Conditions, Impulses, RodError, RodState, SectionLaws, StaggeredBatch, StepError,
 };
 use std::sync::Arc;
 
@@ -189,30 +188,6 @@ impl FiberGroup<StaggeredBatch> {
             set.map(|()| f64::INFINITY)
         };
         done.map_err(|error| error.renumbered(|lane| self.fibers[lane]))
-    }
-
-    /// [Sets out](Self::set_out) after taking back what has been solved of the step, if anything.
-    /// Returns besides the increment the longest way of a node, m, between where it had been solved
-    /// to and where it is now; zero of a step that was not under way.
-    pub(crate) fn set_out_anew(
-        &mut self,
-        time: f64,
-        dt: f64,
-        impulses: Impulses,
-    ) -> Result<[f64; 2], StepError> {
-        let before = self.ends();
-        self.batch.abandon();
-        let turn = self.set_out(time, dt, impulses)?;
-        let ways = self.ends().into_iter().zip(before).map(|(a, b)| (a - b).norm_squared());
-        Ok([turn, ways.fold(0.0, f64::max).sqrt()])
-    }
-
-    /// Where the step under way has been solved to, if one is: all nodes, m, world.
-    fn ends(&self) -> Vec<Point3<f64>> {
-        let mut all = vec![Point3::origin(); ImpulseResponse::nodes(&*self.batch)];
-        let nodes = all.len() / self.fibers.len();
-        let mut own: Vec<&mut [_]> = all.chunks_exact_mut(nodes).collect();
-        if self.batch.end_positions(&mut own).is_ok() { all } else { Vec::new() }
     }
 
     /// Lets fibres that fly, and that `touches` tells, by their numbers, to touch something, bear

@@ -45,7 +45,7 @@ impl ContactStepper {
         let couples = all.junctions.points(system.fibers, part.dt, moments);
         let lists = ContactLists { points, joints, couples };
         let room = std::mem::take(&mut self.room);
-        let (case, mean) =
+        let (mut case, mean) =
             ContactProblem::new(system, lists, part.dt, &laws, before, self.segment_mass, room)?;
         laps.lap(&mut self.times.laws);
         system.push(case.pushes(), part.time, part.dt)?;
@@ -53,6 +53,7 @@ impl ContactStepper {
         let pressed = system.fibers.with_impulses(&part.all(), case.pushes(), press)?;
         part.note_pressed(&pressed);
         laps.lap(&mut self.times.rods);
+        self.bend(system, &mut case, &mean, part.dt);
         Ok((case, mean))
     }
 

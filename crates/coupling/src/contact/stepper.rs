@@ -18,7 +18,7 @@ use crate::phase_times::{ContactTimes, PhaseTimer, Stopwatch};
 use crate::{CouplingError, FiberGroup, StepReport, TimeInterval};
 use nalgebra::Vector3;
 use rapunzel_contact::{Adaptive, ContactSolver, Polished, Tolerance};
-use rapunzel_rod_dynamic::{Impulses, StepVelocity};
+use rapunzel_rod_dynamic::{Impulses, StaggeredBatch, StepVelocity};
 use rapunzel_scene::{Adhesion, ContactMethod, ContactSettings};
 
 /// Most lists of contacts in a substep.
@@ -31,8 +31,6 @@ const MARGIN: f64 = 0.5;
 const WIDE: f64 = 0.5;
 /// Part of the slip that contacts may have by which ends of segments may move that are not in balance.
 const MISSLIP: f64 = 0.1;
-/// Ways of what lands, in radii, up to which it is where it was listed.
-const NEAR: f64 = 0.2;
 /// Most halvings of a step.
 const MOST_HALVINGS: u32 = 6;
 
@@ -308,8 +306,8 @@ impl ContactStepper {
         Ok(())
     }
 
-    /// The problem of contact points. Fibres that flew bear them: those set out anew, and where that
-    /// leads away from where contact points were listed these are listed again.
+    /// The problem of contact points. Fibres that flew bear them: those set out anew, and contact
+    /// points are listed again.
     fn case_of_landed(
         &mut self,
         system: &mut CoupledSystem,
@@ -318,41 +316,35 @@ impl ContactStepper {
         mut points: Vec<ContactPoint>,
     ) -> Result<(ContactProblem, FiberVelocities), SubstepFailure> {
         loop {
-            let (mut case, mut mean) = self.case(system, part, expected, points)?;
+            let (case, mean) = self.case(system, part, expected, points)?;
             let landing = system.land(&mut part.touching, case.points(), &self.detector.joints);
-            let Some(others) = landing else {
-                self.bend(system, &mut case, &mean, part.dt);
-                return Ok((case, mean));
-            };
-            let way = self.set_out(system, part, case.pushes(), &others)?;
-            if way < NEAR * self.radius {
-                mean = case.velocities(system, StepVelocity::Mean);
-                self.bend(system, &mut case, &mean, part.dt);
-                return Ok((case, mean));
-            }
+            let Some(others) = landing else { return Ok((case, mean)) };
+            self.set_out(system, part, case.pushes(), &others)?;
             (self.points, self.room) = case.into_parts();
             points = self.list(system, part, expected)?;
         }
     }
 
     /// Lets groups set out on a substep with some impulses, anew where they have done so already,
-    /// but `others`. Returns the longest way, m, between where a node was solved to before and
-    /// after.
+    /// but `others`.
     fn set_out(
         &mut self,
         system: &mut CoupledSystem,
         part: &mut Substep,
         pushes: impl Iterator<Item = ContactImpulse>,
         others: &[bool],
-    ) -> Result<f64, SubstepFailure> {
+    ) -> Result<(), SubstepFailure> {
         let mut laps = PhaseTimer::start(self.stopwatch);
         let (time, dt) = (part.time, part.dt);
-        let set_out = |group: &mut FiberGroup<_>, own: Impulses| group.set_out_anew(time, dt, own);
-        let done = system.fibers.with_impulses(others, pushes, set_out)?;
-        let new = part.turns.iter_mut().zip(&done).zip(others).filter(|(_, other)| !**other);
-        new.for_each(|((own, [turn, _]), _)| *own = *turn);
+        let set_out = |group: &mut FiberGroup<StaggeredBatch>, own: Impulses| {
+            group.batch.abandon();
+            group.set_out(time, dt, own)
+        };
+        let turns = system.fibers.with_impulses(others, pushes, set_out)?;
+        let new = part.turns.iter_mut().zip(&turns).zip(others).filter(|(_, other)| !**other);
+        new.for_each(|((own, turn), _)| *own = *turn);
         laps.lap(&mut self.times.rods);
-        Ok(done.into_iter().map(|[_, way]| way).fold(0.0, f64::max))
+        Ok(())
     }
 
     /// How deep in each other things may be after a step, m: so little that a film does not tear by

@@ -10,7 +10,7 @@ use nalgebra::Point3;
 
 /// What is left after an increment from a shape that is off by another one, in their product: that
 /// of falling hair, where most of it is less than one.
-const CURVATURE: f64 = 4.0;
+const CURVATURE: f64 = 10.0;
 
 /// A substep: the part of a step at hand.
 pub(super) struct Substep {

@@ -134,7 +134,7 @@ fn hairs_stick_on_a_rough_slope_and_slide_on_a_smooth_one() {
 
 /// A small tress falls onto a ball with half a metre per second and buckles: every step within its
 /// tolerances, nothing crosses, and the energy only falls; whether all contacts are solved at once
-/// or, in the end, one after the other, which takes fewer iterations.
+/// or one after the other, few contacts from the start, which takes fewer iterations.
 #[test]
 fn a_tress_lands_on_a_ball() {
     let tress = "(length: 0.06, segments: 24, section: Circle(radius: 3.5e-5), \
@@ -146,7 +146,7 @@ fn a_tress_lands_on_a_ball() {
         let text = scene(&[tress.into()], ball, 0.4, -9.81, 1e-3).replace("contact: (", &contact);
         land(&mut Run::read(&text))
     });
-    assert!(iterations[1] < iterations[0], "{iterations:?}");
+    assert!(iterations[0] < iterations[1], "{iterations:?}");
 }
 
 /// Returns the iterations that the contacts take.
@@ -270,7 +270,7 @@ fn end_thrust(shortening: f64) -> f64 {
         shortening * length / 0.1,
         length + radius
     ));
-    run.steps(300);
+    run.steps(600);
     let stiffness = modulus * std::f64::consts::PI / 4.0 * radius.powi(4);
     // The first root of tan x = x.
     let euler = 4.493_409_5_f64.powi(2) * stiffness / (length * length);

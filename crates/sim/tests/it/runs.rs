@@ -184,7 +184,7 @@ fn a_step_that_fails_leaves_a_checkpoint() {
 fn contacts_that_lead_nowhere_end_a_run_that_keeps_what_it_has() {
     let text = include_str!("../../../../scenes/contact/partly-elastic-limp.ron")
         .replace("count: 40", "count: 8")
-        .replace("contact: (", "contact: (iterations: 1, ")
+        .replace("contact: (", "contact: (solver: Polished, iterations: 1, ")
         .replace("dt: 1e-3", "dt: 4e-3")
         .replace("frame_rate: 50.0", "frame_rate: 250.0");
     let scene = Scene::from_ron(&text).expect("each number is sound");
