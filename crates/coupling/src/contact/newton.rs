@@ -57,11 +57,13 @@ impl ContactStepper {
             if list == 0 && !solved && error < CLOSE && self.strays(system, part, case)? {
                 return Ok(false);
             }
-            let own = self.linearize(system, part)?;
+            let still = part.still(&case.working_groups(system));
+            let own = self.linearize(system, &still)?;
             if solved && own < SMALL_TURN {
                 return Ok(true);
             }
-            let (increment, reached) = self.iterate(system, part, case, effort, patient)?;
+            let (increment, reached) =
+                self.iterate(system, part, case, effort, (patient, still))?;
             (turn, exact) = (increment, effort.is_last());
             // Fibres may be so entangled by where the step began that no impulses let them through.
             let left = case.error().unwrap_or(f64::INFINITY);
@@ -79,29 +81,37 @@ impl ContactStepper {
         }
     }
 
-    /// One iteration of Newton's method, with the rods as they are linearised. Returns the largest
-    /// increment, rad, and whether the contacts were solved as well as asked.
+    /// One iteration of Newton's method, with the rods as they are linearised, but groups that are
+    /// `still`. Returns the largest increment, rad, and whether the contacts were solved as well as
+    /// asked.
     fn iterate(
         &mut self,
         system: &mut CoupledSystem,
         part: &mut Substep,
         case: &mut ContactProblem,
         effort: ForcingTerm,
-        patient: bool,
+        (patient, mut still): (bool, Vec<bool>),
     ) -> Result<(f64, bool), SubstepFailure> {
         self.solver.set_tolerance(effort.of(&self.tolerance(part.dt)));
         let mut laps = PhaseTimer::start(self.stopwatch);
-        // What others do does not move the groups that are still and have no contact.
-        let mut unmoved = part.still();
-        case.working_groups(system, |group| unmoved[group] = false);
+        let before = case.working_groups(system);
         let one = case.solve(system, &mut self.solver, patient)?;
         laps.lap(&mut self.times.solver);
-        case.working_groups(system, |group| unmoved[group] = false);
+        // Groups that contacts push after all, and that a chord step would not do for.
+        let working = case.working_groups(system);
+        let stays = part.still(&working);
+        let others: Vec<bool> = still.iter().zip(&stays).map(|(was, is)| !was || *is).collect();
+        self.linearize(system, &others)?;
+        still.iter_mut().zip(stays).for_each(|(still, stays)| *still &= stays);
+        // What others do does not move those that have no contact.
+        let pushed = before.iter().zip(&working).map(|(before, now)| before | now);
+        let unmoved: Vec<bool> =
+            still.iter().zip(pushed).map(|(still, on)| *still && !on).collect();
         let advance = |group: &mut FiberGroup<_>, own: Impulses| group.advance(own);
         let turns = system.fibers.with_impulses(&unmoved, case.pushes(), advance)?;
         system.push(case.pushes(), part.time, part.dt)?;
         case.turned(&turns);
-        let turn = part.note_turns(&turns, &unmoved);
+        let turn = part.note_turns(&turns, &unmoved, &still);
         laps.lap(&mut self.times.rods);
         let mean = case.velocities(system, StepVelocity::Mean);
         self.bend(system, case, &mean, part.dt);
@@ -119,15 +129,14 @@ impl ContactStepper {
         Ok((turn, self.solver.tolerance().error(&one) <= 1.0))
     }
 
-    /// Linearises the groups that have turned since they were last. Returns the largest increment
-    /// of these, rad.
+    /// Linearises the groups that are not `still`. Returns the largest increment of these, rad.
     fn linearize(
         &mut self,
         system: &mut CoupledSystem,
-        part: &Substep,
+        still: &[bool],
     ) -> Result<f64, SubstepFailure> {
         let mut laps = PhaseTimer::start(self.stopwatch);
-        let own = system.fibers.for_groups(&part.still(), |group| group.linearize())?;
+        let own = system.fibers.for_groups(still, |group| group.linearize())?;
         laps.lap(&mut self.times.rods);
         Ok(largest(&own))
     }

@@ -8,9 +8,9 @@ use crate::array_pool::PooledArray;
 use crate::{StepReport, TimeInterval};
 use nalgebra::Point3;
 
-/// What is left after an increment from a shape that is off by another one, in their product: that
-/// of falling hair, where most of it is less than one.
-const CURVATURE: f64 = 10.0;
+/// What is left after an increment from a shape that is off by another one, in their product: hardly
+/// ever more.
+const CURVATURE: f64 = 100.0;
 
 /// A substep: the part of a step at hand.
 pub(super) struct Substep {
@@ -26,8 +26,8 @@ pub(super) struct Substep {
     /// How far the fibres of each group have turned since they were linearised, rad; infinitely
     /// where that tells nothing of how they move now.
     pub(super) turns: Vec<f64>,
-    /// How far from balance rods may be turned, rad.
-    misturn: f64,
+    /// By how much fibres may turn, rad, for a chord step to be as good as one of Newton's.
+    chord: f64,
     /// By fibre, whether a list of the substep had contact points of it.
     pub(super) touching: Vec<bool>,
 }
@@ -40,30 +40,27 @@ impl Substep {
         let (work, report) = (ContactWork::default(), StepReport::default());
         let turns = vec![f64::INFINITY; system.fibers.groups.len()];
         let touching = vec![false; system.fibers.assembly().fibers().len()];
-        let misturn = misspin * dt;
-        Self { time, dt, start, work, work_of_couples: 0.0, report, turns, misturn, touching }
+        let chord = (misspin * dt / CURVATURE).sqrt().min(LAST_TURN);
+        Self { time, dt, start, work, work_of_couples: 0.0, report, turns, chord, touching }
     }
 
-    /// By group, whether its fibres have turned so little since they were linearised that a chord
-    /// step is as good as one of Newton's.
-    pub(super) fn still(&self) -> Vec<bool> {
-        let most = (self.misturn / CURVATURE).sqrt();
-        self.turns.iter().map(|turn| *turn < most).collect()
+    /// By group, whether its fibres have turned so little since they were linearised that they need
+    /// not be again: where contacts are `working`, that a chord step is as good as one of Newton's.
+    pub(super) fn still(&self, working: &[bool]) -> Vec<bool> {
+        let most = |working| if working { self.chord } else { LAST_TURN };
+        self.turns.iter().zip(working).map(|(turn, &working)| *turn < most(working)).collect()
     }
 
-    /// Notes by what largest increments, rad, groups turned, but those that did not move. Groups
-    /// that were not still had been linearised. Returns the largest increment that may be followed
-    /// by others: not of a chord step that leads as near to balance as may be.
-    pub(super) fn note_turns(&mut self, turns: &[f64], unmoved: &[bool]) -> f64 {
-        let (still, misturn) = (self.still(), self.misturn);
+    /// Notes by what largest increments, rad, groups turned, but those that did not move. Those that
+    /// were not `still` had been linearised. Returns the largest increment that may be followed by
+    /// others: not of a chord step that leads as near to balance as may be.
+    pub(super) fn note_turns(&mut self, turns: &[f64], unmoved: &[bool], still: &[bool]) -> f64 {
         let mut largest = 0.0_f64;
         let own = self.turns.iter_mut().zip(turns).zip(unmoved.iter().zip(still));
-        for ((own, &turn), (_, still)) in own.filter(|(_, (unmoved, _))| !**unmoved) {
+        for ((own, &turn), (_, &still)) in own.filter(|(_, (unmoved, _))| !**unmoved) {
             *own = if still { *own + turn } else { turn };
-            if !still {
+            if !still || *own > self.chord {
                 largest = largest.max(turn);
-            } else if CURVATURE * *own * turn > misturn {
-                (*own, largest) = (f64::INFINITY, largest.max(turn).max(LAST_TURN));
             }
         }
         largest

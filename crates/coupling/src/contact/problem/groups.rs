@@ -12,13 +12,15 @@ use rayon::prelude::*;
 pub(crate) const LAST_TURN: f64 = 1e-3;
 
 impl ContactProblem {
-    /// Tells the groups of all sides of contacts that were solved last, some of them several times.
-    pub(crate) fn working_groups(&self, system: &CoupledSystem, mut tell: impl FnMut(usize)) {
+    /// By group, whether it has sides of contacts that were solved last.
+    pub(crate) fn working_groups(&self, system: &CoupledSystem) -> Vec<bool> {
+        let mut working = vec![false; system.fibers.groups.len()];
         for side in self.working.iter().flat_map(|&i| self.points[i].sides) {
             if let BodyRef::Fiber(fiber) = side {
-                tell(system.fibers.lane(fiber as usize).0);
+                working[system.fibers.lane(fiber as usize).0] = true;
             }
         }
+        working
     }
 
     /// The sides of some contacts that move, by group of fibres and by object.
