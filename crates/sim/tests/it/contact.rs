@@ -270,7 +270,7 @@ fn end_thrust(shortening: f64) -> f64 {
         shortening * length / 0.1,
         length + radius
     ));
-    run.steps(600);
+    run.steps(300);
     let stiffness = modulus * std::f64::consts::PI / 4.0 * radius.powi(4);
     // The first root of tan x = x.
     let euler = 4.493_409_5_f64.powi(2) * stiffness / (length * length);
