@@ -1,12 +1,11 @@
 //! Where a fibre touches an object, and where it would have passed into it.
 
-use crate::TimeInterval;
 use crate::body_ref::BodyRef;
 use crate::contact_point::ContactPoint;
 use crate::held_places::HeldPlaces;
 use crate::known_values::KnownValue;
-use crate::object::{CollisionObject, ObjectMotion};
-use nalgebra::{Isometry3, Point3, Rotation3, Vector3};
+use crate::object::{CollisionObject, MovingObject, ObjectMotion};
+use nalgebra::{Point3, Vector3};
 use rapunzel_collision::Capsule;
 use rapunzel_collision::continuous::MovingSegment;
 use rapunzel_collision::field::{ContactSearch, DistanceField, FieldContact, Sample};
@@ -27,24 +26,6 @@ struct NodeByObject {
     least: f64,
     /// Square of how far it has gone in that frame, m^2.
     squared_way: f64,
-}
-
-/// Where an object is before and after a step of so many seconds.
-pub(crate) struct MovingObject {
-    poses: [Isometry3<f64>; 2],
-    turns: [Rotation3<f64>; 2],
-    /// Mean angular velocity of a given motion, rad/s.
-    spin: Vector3<f64>,
-    length: f64,
-}
-
-impl MovingObject {
-    pub(crate) fn new(object: &CollisionObject, step: TimeInterval) -> Self {
-        let poses = object.poses(step);
-        let spin = if poses[0] == poses[1] { Vector3::zeros() } else { object.led_spin(step) };
-        let turns = poses.map(|pose| pose.rotation.to_rotation_matrix());
-        Self { poses, turns, spin, length: step.length }
-    }
 }
 
 /// One fibre before and after a step.
@@ -269,6 +250,7 @@ impl CollisionObject {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::TimeInterval;
     use crate::held_places::HeldPlace;
     use crate::object::{Field, ObjectGeometry};
     use nalgebra::Isometry3;

@@ -2,7 +2,7 @@
 
 use crate::TimeInterval;
 use crate::free_body::FreeBody;
-use nalgebra::{Isometry3, Point3, Vector3};
+use nalgebra::{Isometry3, Point3, Rotation3, Vector3};
 use rapunzel_collision::Capsule;
 use rapunzel_collision::field::{DistanceField, Soup};
 use rapunzel_contact::{ContactError, RigidBody};
@@ -46,6 +46,26 @@ pub enum ObjectMotion {
     Kinematic(Box<dyn Fn(f64) -> Isometry3<f64> + Send + Sync>),
     /// Gravity and contacts.
     Dynamic(Box<FreeBody>),
+}
+
+/// Where an object is before and after a step .
+pub(crate) struct MovingObject {
+    /// Poses at its start and at its end, and their rotations.
+    pub(crate) poses: [Isometry3<f64>; 2],
+    pub(crate) turns: [Rotation3<f64>; 2],
+    /// Mean angular velocity of a given motion, rad/s.
+    pub(crate) spin: Vector3<f64>,
+    /// Length of the step, s.
+    pub(crate) length: f64,
+}
+
+impl MovingObject {
+    pub(crate) fn new(object: &CollisionObject, step: TimeInterval) -> Self {
+        let poses = object.poses(step);
+        let spin = if poses[0] == poses[1] { Vector3::zeros() } else { object.led_spin(step) };
+        let turns = poses.map(|pose| pose.rotation.to_rotation_matrix());
+        Self { poses, turns, spin, length: step.length }
+    }
 }
 
 impl CollisionObject {

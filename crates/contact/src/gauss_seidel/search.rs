@@ -138,7 +138,7 @@ impl<'a> ImpulseSearch<'a> {
         let (mut pass, mut solved, mut before) = (PassBounds::FIRST, 0, None);
         let (mut wrong, mut misses) = (usize::MAX, 0);
         if self.solver.sweeps && count <= most {
-            solved += Arch::new().dispatch(Sweep { search: &mut self, order: &order });
+            solved += Arch::new().dispatch(FullPass { search: &mut self, order: &order });
         }
         loop {
             for (impulse, site) in impulses.iter_mut().zip(&self.sites) {
@@ -295,12 +295,12 @@ impl NullaryFnOnce for RelaxationPass<'_, '_> {
 }
 
 /// Solves all contacts once, and returns their number.
-struct Sweep<'s, 'a> {
+struct FullPass<'s, 'a> {
     search: &'s mut ImpulseSearch<'a>,
     order: &'s [u32],
 }
 
-impl NullaryFnOnce for Sweep<'_, '_> {
+impl NullaryFnOnce for FullPass<'_, '_> {
     type Output = usize;
 
     #[inline(always)]

@@ -129,16 +129,11 @@ impl MatrixStrips<f32> {
     ) {
         let (mut from, mut to) = ([0.0_f32; ROWS], [0.0_f32; ROWS]);
         for (from, &point) in from.as_chunks_mut::<3>().0.iter_mut().zip(points) {
-            let impulse = &impulses[point];
-            *from = [
-                convert_unchecked(impulse.x),
-                convert_unchecked(impulse.y),
-                convert_unchecked(impulse.z),
-            ];
+            *from = convert_unchecked::<_, Vector3<f32>>(impulses[point]).into();
         }
         self.multiply(&from[..(3 * points.len()).next_multiple_of(COLUMNS)], &mut to);
-        for (&[x, y, z], &point) in to.as_chunks::<3>().0.iter().zip(points) {
-            velocities[point] = Vector3::new(f64::from(x), f64::from(y), f64::from(z));
+        for (&to, &point) in to.as_chunks::<3>().0.iter().zip(points) {
+            velocities[point] = convert(Vector3::from(to));
         }
     }
 }

@@ -7,11 +7,11 @@ use super::sections::OrientedSections;
 use super::tunnelling::{bends, goes_on, keep_sides, leads_through};
 use crate::body_ref::BodyRef;
 use crate::contact_point::{ContactPoint, same_place};
-use crate::fiber_on_object::{MovingFiber, MovingObject};
+use crate::fiber_on_object::MovingFiber;
 use crate::held_places::HeldPlaces;
 use crate::known_values::{KnownValue, KnownValues};
 use crate::merging::{merge, retain_others};
-use crate::object::CollisionObject;
+use crate::object::{CollisionObject, MovingObject};
 use crate::{TimeInterval, pair};
 use nalgebra::Point3;
 use rapunzel_collision::{

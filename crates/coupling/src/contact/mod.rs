@@ -6,9 +6,10 @@
 //! 1. the step sets out to where the motion leads, with the impulses of the step before;
 //! 2. contact points are found where that would lead, as well as on the way there (`detection`,
 //!    `tunnelling`). A contact point that has changed sides beside one of its pair that has not is
-//!    none;
+//!    none. Fibres that flew and have contact points set out anew, as those that bear (`flight`);
 //! 3. the rods are linearised where they are, all impulses are solved for (`problem`) as well as
-//!    that is of use (`forcing_term`), and the rods take the increment that belongs to them;
+//!    that is of use (`forcing_term`), and the rods take the increment that belongs to them. Rods
+//!    that have hardly turned since they were linearised are not again (`substep`);
 //! 4. 3 repeats, with places and normals of the contacts kept, until rods and law agree, or until
 //!    it is seen that others are missing;
 //! 5. contact points are looked for where the fibres really are. Those that are too deep replace or

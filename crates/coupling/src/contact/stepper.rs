@@ -29,7 +29,8 @@ pub(super) const PATIENCE: usize = 3;
 const MARGIN: f64 = 0.5;
 /// Radii by which the first list of a step, of where it is expected to lead, is wider.
 const WIDE: f64 = 0.5;
-/// Part of the slip that contacts may have by which ends of segments may move that are not in balance.
+/// Part of the slip that contacts may have at which the ends of segments may move that are not in
+/// balance.
 const MISSLIP: f64 = 0.1;
 /// Most halvings of a step.
 const MOST_HALVINGS: u32 = 6;

@@ -8,8 +8,8 @@ use crate::array_pool::PooledArray;
 use crate::{StepReport, TimeInterval};
 use nalgebra::Point3;
 
-/// What is left after an increment from a shape that is off by another one, in their product: hardly
-/// ever more.
+/// What is left after an increment from a shape that is off by another one, in their product:
+/// hardly ever more.
 const CURVATURE: f64 = 100.0;
 
 /// A substep: the part of a step at hand.
@@ -45,15 +45,16 @@ impl Substep {
     }
 
     /// By group, whether its fibres have turned so little since they were linearised that they need
-    /// not be again: where contacts are `working`, that a chord step is as good as one of Newton's.
+    /// not be again: where contacts are `working`, so little that a chord step is as good as one of
+    /// Newton's.
     pub(super) fn still(&self, working: &[bool]) -> Vec<bool> {
         let most = |working| if working { self.chord } else { LAST_TURN };
         self.turns.iter().zip(working).map(|(turn, &working)| *turn < most(working)).collect()
     }
 
-    /// Notes by what largest increments, rad, groups turned, but those that did not move. Those that
-    /// were not `still` had been linearised. Returns the largest increment that may be followed by
-    /// others: not of a chord step that leads as near to balance as may be.
+    /// Notes by what largest increments, rad, groups turned, but those that did not move. Those
+    /// that were not `still` had been linearised. Returns the largest increment that may be
+    /// followed by others: not of a chord step that leads as near to balance as may be.
     pub(super) fn note_turns(&mut self, turns: &[f64], unmoved: &[bool], still: &[bool]) -> f64 {
         let mut largest = 0.0_f64;
         let own = self.turns.iter_mut().zip(turns).zip(unmoved.iter().zip(still));

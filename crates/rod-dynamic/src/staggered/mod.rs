@@ -30,6 +30,7 @@ mod erased_batch;
 mod factor;
 mod fed_segments;
 mod history;
+mod impulse_columns;
 mod inputs;
 mod joined_step;
 mod joint_geometry;

@@ -7,9 +7,10 @@
 //! beside the axis enters the balance of its segment as the torque `c1 dt a x P`, and the mean
 //! angular velocity is the rotation over `dt`.
 
-use super::array::{Array, at, fit, set, store, zeros};
+use super::array::{at, fit, set, store};
 use super::chain::RotationChain;
 use super::factor::{DiagonalBlock, Factor, Right, WeightedFactor};
+use super::impulse_columns::ImpulseColumns;
 use super::joint_geometry::hat;
 use super::scheme::Stage;
 use super::simd_batch::SimdBatch;
@@ -36,30 +37,6 @@ pub(super) enum Question<'a, S: Simd> {
     RespondThrice(usize, &'a mut ImpulseColumns<S>),
     Blocks,
     Weigh(&'a [Point], &'a [f64]),
-}
-
-/// Three sets of impulses on all nodes and segments, which are replaced by mean velocities and
-/// angular velocities: `3 a + k` is the vector of node or segment `a` in set `k`.
-pub(super) struct ImpulseColumns<S: Simd> {
-    pub(super) values: Array<S>,
-    pub(super) turns: Array<S>,
-    loads: Array<S>,
-    solution: Array<S>,
-}
-
-impl<S: Simd> ImpulseColumns<S> {
-    pub(super) fn empty() -> Self {
-        let none = || zeros::<S>(0);
-        Self { values: none(), turns: none(), loads: none(), solution: none() }
-    }
-
-    /// Resizes all arrays to rods of `n` segments.
-    pub(super) fn fit(&mut self, n: usize) {
-        fit::<S>(&mut self.values, 9 * (n + 1));
-        fit::<S>(&mut self.turns, 9 * n);
-        fit::<S>(&mut self.loads, 18 * n);
-        fit::<S>(&mut self.solution, 18 * n);
-    }
 }
 
 /// Replaces `K` sets of impulses on nodes and of moments on segments by the mean velocities and

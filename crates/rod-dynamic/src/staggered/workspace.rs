@@ -6,7 +6,7 @@
 
 use super::array::{Array, fit, zeros};
 use super::factor::{Factor, Right};
-use super::response::ImpulseColumns;
+use super::impulse_columns::ImpulseColumns;
 use pulp::Simd;
 use pulp::bytemuck::Zeroable;
 use std::any::Any;

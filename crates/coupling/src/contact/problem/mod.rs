@@ -267,9 +267,9 @@ impl ContactProblem {
     }
 
     /// Solves for the impulses, with the rods as they are linearised, or, as far as their answers
-    /// go, as they were when these were written out. Only contacts that bear something, pull or would close, or did so before, are
-    /// looked at: all others would do nothing but hold back the solver. Those that this lets close
-    /// take part the next time.
+    /// go, as they were when these were written out. Only contacts that bear something, pull or
+    /// would close, or did so before, are looked at: all others would do nothing but hold back the
+    /// solver. Those that this lets close take part the next time.
     pub(super) fn solve(
         &mut self,
         system: &mut CoupledSystem,
