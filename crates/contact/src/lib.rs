@@ -14,6 +14,7 @@ mod impact;
 mod limit_curve;
 mod local;
 mod metric;
+mod one_by_one;
 mod polished;
 mod residual;
 pub mod rigid;

@@ -93,11 +93,11 @@ impl CollisionObject {
         index: u32,
         strand: &MovingFiber,
         known: &mut [KnownValue],
-        moving: &MovingObject,
+        motion: &MovingObject,
         margin: f64,
         found: &mut Vec<ContactPoint>,
     ) {
-        let MovingObject { poses, turns, spin, length: dt } = moving;
+        let MovingObject { poses, turns, spin, length: dt } = motion;
         let field = &*self.geometry.field;
         let slope = field.lipschitz();
         let own = |node: &Point3<f64>, when: usize| {

@@ -48,12 +48,13 @@ pub enum ObjectMotion {
     Dynamic(Box<FreeBody>),
 }
 
-/// Where an object is before and after a step .
+/// Where an object is before and after a step.
 pub(crate) struct MovingObject {
-    /// Poses at its start and at its end, and their rotations.
+    /// Poses at the start and at the end of the step, world.
     pub(crate) poses: [Isometry3<f64>; 2],
+    /// Rotations of these poses.
     pub(crate) turns: [Rotation3<f64>; 2],
-    /// Mean angular velocity of a given motion, rad/s.
+    /// Mean angular velocity of a given motion, rad/s, world.
     pub(crate) spin: Vector3<f64>,
     /// Length of the step, s.
     pub(crate) length: f64,

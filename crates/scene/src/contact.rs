@@ -53,8 +53,8 @@ pub enum ContactMethod {
     #[default]
     Splitting,
     /// Twenty iterations of `Splitting`, then Gauss-Seidel on the contacts that still violate the
-    /// law, over-relaxed, on one thread. A third of the iterations where hair falls and lies, but
-    /// longer ones, so that it takes about as much time. Like `Splitting` where a fibre has too
+    /// law, over-relaxed, on one thread. A third of the iterations where a bundle falls and lies,
+    /// but longer ones, so that it takes about as much time. Like `Splitting` where a fibre has too
     /// many contacts for an explicit response matrix, where rigid bodies move freely, and for the
     /// rest of a step in which it did not converge.
     Polished,

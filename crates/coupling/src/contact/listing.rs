@@ -47,13 +47,13 @@ impl ContactStepper {
         let room = std::mem::take(&mut self.room);
         let (mut case, mean) =
             ContactProblem::new(system, lists, part.dt, &laws, before, self.segment_mass, room)?;
+        self.bend(system, &mut case, &mean, part.dt);
         laps.lap(&mut self.times.laws);
         system.push(case.pushes(), part.time, part.dt)?;
         let press = |group: &mut FiberGroup<_>, own: Impulses| group.press(own);
         let pressed = system.fibers.with_impulses(&part.all(), case.pushes(), press)?;
         part.note_pressed(&pressed);
         laps.lap(&mut self.times.rods);
-        self.bend(system, &mut case, &mean, part.dt);
         Ok((case, mean))
     }
 

@@ -58,7 +58,9 @@ impl ContactStepper {
                 return Ok(false);
             }
             let still = part.still(&case.working_groups(system));
-            let own = self.linearize(system, &still)?;
+            let mut laps = PhaseTimer::start(self.stopwatch);
+            let own = largest(&system.fibers.for_groups(&still, |group| group.linearize())?);
+            laps.lap(&mut self.times.rods);
             if solved && own < SMALL_TURN {
                 return Ok(true);
             }
@@ -101,7 +103,7 @@ impl ContactStepper {
         let working = case.working_groups(system);
         let stays = part.still(&working);
         let others: Vec<bool> = still.iter().zip(&stays).map(|(was, is)| !was || *is).collect();
-        self.linearize(system, &others)?;
+        system.fibers.for_groups(&others, |group| group.linearize())?;
         still.iter_mut().zip(stays).for_each(|(still, stays)| *still &= stays);
         // What others do does not move those that have no contact.
         let pushed = before.iter().zip(&working).map(|(before, now)| before | now);
@@ -127,18 +129,6 @@ impl ContactStepper {
         report.normal_error = found.normal_error;
         report.slip_error = found.slip_error;
         Ok((turn, self.solver.tolerance().error(&one) <= 1.0))
-    }
-
-    /// Linearises the groups that are not `still`. Returns the largest increment of these, rad.
-    fn linearize(
-        &mut self,
-        system: &mut CoupledSystem,
-        still: &[bool],
-    ) -> Result<f64, SubstepFailure> {
-        let mut laps = PhaseTimer::start(self.stopwatch);
-        let own = system.fibers.for_groups(still, |group| group.linearize())?;
-        laps.lap(&mut self.times.rods);
-        Ok(largest(&own))
     }
 
     /// Whether fibres have come deeper into each other than their contacts tell, by more than they

@@ -4,8 +4,7 @@ use super::detection::ContactDetector;
 use super::forcing_term::ForcingTerm;
 use super::initial_overlaps;
 use super::leaps::refuse_leaps;
-use super::node_arrays::FiberVelocities;
-use super::problem::{ContactProblem, ProblemWorkspace};
+use super::problem::ProblemWorkspace;
 use super::sections::SectionShapes;
 use super::substep::Substep;
 use super::substep_failure::{SubstepFailure, lost};
@@ -245,7 +244,8 @@ impl ContactStepper {
         system.push(pushes(), time, dt)?;
         self.set_out(system, part, pushes(), &part.all())?;
         let points = self.list(system, part, expected)?;
-        let (mut case, mean) = self.case_of_landed(system, part, expected, points)?;
+        let points = self.land(system, part, expected, points)?;
+        let (mut case, mean) = self.case(system, part, expected, points)?;
         let mut laps = PhaseTimer::start(self.stopwatch);
         let start = case.certificate(system, &mean);
         laps.lap(&mut self.times.laws);
@@ -295,7 +295,8 @@ impl ContactStepper {
             let (bearing, room) = case.into_parts();
             let points = merged(bearing, &found.points, self.shallow(), list < PATIENCE);
             self.room = room;
-            case = self.case_of_landed(system, part, expected, points)?.0;
+            let points = self.land(system, part, expected, points)?;
+            case = self.case(system, part, expected, points)?.0;
             effort = self.rough(ForcingTerm::where_off(found.deepest / self.depth()));
         }
         let worst_touch = worst_touch.or_else(|| case.worst(system, time));
@@ -307,23 +308,24 @@ impl ContactStepper {
         Ok(())
     }
 
-    /// The problem of contact points. Fibres that flew bear them: those set out anew, and contact
-    /// points are listed again.
-    fn case_of_landed(
+    /// Lets fibres that flew bear contact points: their groups set out anew with the impulses of
+    /// these, and contact points are listed again, until none flies that has any.
+    fn land(
         &mut self,
         system: &mut CoupledSystem,
         part: &mut Substep,
         expected: &ExpectedImpulses,
         mut points: Vec<ContactPoint>,
-    ) -> Result<(ContactProblem, FiberVelocities), SubstepFailure> {
-        loop {
-            let (case, mean) = self.case(system, part, expected, points)?;
-            let landing = system.land(&mut part.touching, case.points(), &self.detector.joints);
-            let Some(others) = landing else { return Ok((case, mean)) };
-            self.set_out(system, part, case.pushes(), &others)?;
-            (self.points, self.room) = case.into_parts();
+    ) -> Result<Vec<ContactPoint>, SubstepFailure> {
+        while let Some(others) = system.land(&mut part.touching, &points, &self.detector.joints) {
+            let joints = self.detector.joints.pushes(system, &self.memory.joints);
+            let bearing = points.iter().filter(|point| point.impulse != Vector3::zeros());
+            let pushes = bearing.map(|point| point.push(point.impulse)).chain(joints);
+            self.set_out(system, part, pushes, &others)?;
+            self.points = points;
             points = self.list(system, part, expected)?;
         }
+        Ok(points)
     }
 
     /// Lets groups set out on a substep with some impulses, anew where they have done so already,
@@ -342,8 +344,7 @@ impl ContactStepper {
             group.set_out(time, dt, own)
         };
         let turns = system.fibers.with_impulses(others, pushes, set_out)?;
-        let new = part.turns.iter_mut().zip(&turns).zip(others).filter(|(_, other)| !**other);
-        new.for_each(|((own, turn), _)| *own = *turn);
+        part.note_set_out(&turns, others);
         laps.lap(&mut self.times.rods);
         Ok(())
     }

@@ -33,8 +33,8 @@ pub(super) struct Substep {
 }
 
 impl Substep {
-    /// The substep that starts at `time` and takes `dt`, s, of fibres as they are now, which may
-    /// turn by `misspin`, rad/s, more than is in balance.
+    /// The substep that starts at `time` and takes `dt`, s, of fibres as they are now, whose
+    /// segments may turn by `misspin`, rad/s, faster than is in balance.
     pub(super) fn new(time: f64, dt: f64, system: &CoupledSystem, misspin: f64) -> Self {
         let start = system.fibers.positions();
         let (work, report) = (ContactWork::default(), StepReport::default());
@@ -50,6 +50,12 @@ impl Substep {
     pub(super) fn still(&self, working: &[bool]) -> Vec<bool> {
         let most = |working| if working { self.chord } else { LAST_TURN };
         self.turns.iter().zip(working).map(|(turn, &working)| *turn < most(working)).collect()
+    }
+
+    /// Notes the largest increments, rad, with which groups set out, but those of `others`.
+    pub(super) fn note_set_out(&mut self, turns: &[f64], others: &[bool]) {
+        let own = self.turns.iter_mut().zip(turns).zip(others);
+        own.filter(|(_, other)| !**other).for_each(|((own, turn), _)| *own = *turn);
     }
 
     /// Notes by what largest increments, rad, groups turned, but those that did not move. Those

@@ -10,7 +10,7 @@ use rapunzel_rod_dynamic::{
     StaggeredBatch, Steady, StepVelocity,
 };
 
-const SEGMENTS: usize = 40;
+pub(crate) const SEGMENTS: usize = 40;
 const NODES: usize = SEGMENTS + 1;
 
 fn pose() -> Isometry3<f64> {
@@ -18,13 +18,13 @@ fn pose() -> Isometry3<f64> {
     Isometry3::from_parts(Translation3::new(0.1, -0.2, 0.3), root)
 }
 
-fn hold() -> Steady {
+pub(crate) fn hold() -> Steady {
     Steady(Instant::clamped(pose(), Vector3::new(0.0, 2.0, -9.81)))
 }
 
 /// Curly hairs in full fall, each a little different, and the state before the step that is under
 /// way.
-fn falling(fibers: usize, dt: f64) -> (StaggeredBatch, Vec<f64>) {
+pub(crate) fn falling(fibers: usize, dt: f64) -> (StaggeredBatch, Vec<f64>) {
     let rods = (0..fibers)
         .map(|i| {
             let radius = 35e-6 * (1.0 + 0.05 * i as f64);
@@ -76,7 +76,7 @@ fn matrix_by(batch: &mut StaggeredBatch, weighted: bool) -> DMatrix<f64> {
 }
 
 /// Reads velocities of all nodes, fibre by fibre.
-fn read(batch: &StaggeredBatch, which: StepVelocity, velocities: &mut [Vector3<f64>]) {
+pub(crate) fn read(batch: &StaggeredBatch, which: StepVelocity, velocities: &mut [Vector3<f64>]) {
     let mut own: Vec<_> = velocities.chunks_mut(NODES).collect();
     batch.velocities(which, None, &mut own).expect("lengths");
 }
@@ -291,84 +291,4 @@ fn points_answer_as_their_nodes() {
     }
     let off = Point::on_axis(3, 0, 0.0);
     batch.respond_at(&[off], &impulses[..1], &mut answers[..1]).expect_err("no such fibre");
-}
-
-/// Newton's method step by step from where the motion leads, with impulses that change on the way,
-/// ends where it does with the last of them from the start.
-#[test]
-fn iterations_taken_one_by_one_end_in_the_same_step() {
-    let (mut batch, start) = falling(3, 1e-3);
-    let hold = hold();
-    let conditions: Vec<&dyn Conditions> = vec![&hold; 3];
-    let mut reports = [RodStepReport::default(); 3];
-    let mass = batch.rods()[0].fiber.mass() / SEGMENTS as f64;
-    let impulses: Vec<_> =
-        (0..batch.nodes()).map(|a| Vector3::new(0.1, -0.2, 0.05) * mass * (a % 7) as f64).collect();
-    batch.abandon();
-    set_out_and_solve(&mut batch, 1e-3, &conditions, Impulses::on_nodes(&impulses))
-        .expect("converges");
-    batch.accept();
-    let expected: Vec<_> = (0..3).map(|fiber| batch.state(fiber)).collect();
-    batch.restore(&start).expect("the same batch");
-    let half: Vec<_> = impulses.iter().map(|impulse| impulse * 0.5).collect();
-    batch.set_out(1e-3, &conditions, Impulses::on_nodes(&half), &mut reports).expect("sound");
-    let mut turns = Vec::new();
-    for _ in 0..6 {
-        batch.linearize().expect("regular");
-        turns.push(batch.advance(Impulses::on_nodes(&impulses)).expect("regular"));
-    }
-    // What the last increment would add to first order is nothing any more.
-    batch.linearize().expect("regular");
-    let mut velocities =
-        [vec![Vector3::zeros(); batch.nodes()], vec![Vector3::zeros(); batch.nodes()]];
-    read(&batch, StepVelocity::Mean, &mut velocities[0]);
-    read(&batch, StepVelocity::Linear, &mut velocities[1]);
-    for (now, then) in velocities[0].iter().zip(&velocities[1]) {
-        assert!((now - then).norm() < 1e-10 * 0.3 / 1e-3, "{turns:?}");
-    }
-    batch.accept();
-    for (fiber, expected) in expected.iter().enumerate() {
-        let state = batch.state(fiber);
-        for (x, y) in state.positions.iter().zip(&expected.positions) {
-            assert!((x - y).norm() < 1e-10 * 0.3, "{turns:?}");
-        }
-    }
-}
-
-/// Other impulses that are pressed on a step that was set out on count from its next linearisation
-/// on.
-#[test]
-fn impulses_may_change_before_anything_moves() {
-    let (mut batch, _) = falling(3, 1e-3);
-    let hold = hold();
-    let conditions: Vec<&dyn Conditions> = vec![&hold; 3];
-    let mut reports = [RodStepReport::default(); 3];
-    let mass = batch.rods()[0].fiber.mass() / SEGMENTS as f64;
-    let change: Vec<_> =
-        (0..batch.nodes()).map(|a| Vector3::new(0.1, -0.2, 0.05) * mass * (a % 7) as f64).collect();
-    let none = vec![Vector3::zeros(); batch.nodes()];
-    let mut velocities = [none.clone(), none.clone(), none.clone(), none.clone()];
-    batch.abandon();
-    set_out_and_solve(&mut batch, 1e-3, &conditions, Impulses::on_nodes(&change))
-        .expect("converges");
-    read(&batch, StepVelocity::Mean, &mut velocities[3]);
-    batch.abandon();
-    batch.press(Impulses::on_nodes(&none)).expect_err("no step is under way");
-    batch.set_out(1e-3, &conditions, Impulses::on_nodes(&none), &mut reports).expect("sound");
-    batch.linearize().expect("regular");
-    read(&batch, StepVelocity::Linear, &mut velocities[0]);
-    batch.press(Impulses::on_nodes(&change)).expect("sound");
-    batch.linearize().expect("regular");
-    read(&batch, StepVelocity::Linear, &mut velocities[1]);
-    for _ in 0..6 {
-        batch.linearize().expect("regular");
-        batch.advance(Impulses::on_nodes(&change)).expect("regular");
-    }
-    read(&batch, StepVelocity::Mean, &mut velocities[2]);
-    let [without, with, found, expected] = &velocities;
-    let farthest = |from: &[Vector3<f64>]| {
-        from.iter().zip(expected).map(|(v, e)| (v - e).norm()).fold(0.0, f64::max)
-    };
-    assert!(farthest(with) < 0.2 * farthest(without), "{} {}", farthest(with), farthest(without));
-    assert!(farthest(found) < 1e-10 * 0.3 / 1e-3);
 }
