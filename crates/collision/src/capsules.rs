@@ -3,6 +3,7 @@
 use crate::CollisionError;
 use nalgebra::Point3;
 use rapunzel_fiber::Layout;
+use rapunzel_lanes::all_finite;
 
 /// Two segments by their indices, the smaller first.
 pub type Pair = [u32; 2];
@@ -51,12 +52,12 @@ impl<'a> Capsules<'a> {
         count("positions", positions.len(), layout.nodes())?;
         count("radii", radii.len(), layout.segments())?;
         let capsules = Self { layout, positions, radii };
-        // Without a branch for each, and the search for the culprit only where there is one.
-        let finite = |p: &Point3<f64>| p.x.is_finite() & p.y.is_finite() & p.z.is_finite();
-        if !positions.iter().fold(true, |all, p| all & finite(p)) {
+        // The search for the culprit only where there is one.
+        if !all_finite(positions, |p| p.coords.into()) {
             capsules.check_positions()?;
         }
-        if !radii.iter().fold(true, |all, &r| all & (r > 0.0) & r.is_finite()) {
+        let least = radii.iter().copied().fold(f64::INFINITY, |a, b| if b < a { b } else { a });
+        if !(least > 0.0 && all_finite(radii, |&r| [r])) {
             return Err(capsules.bad_radius());
         }
         Ok(capsules)

@@ -14,7 +14,7 @@ pub struct Fibers<B: RodBatch + ?Sized> {
     assembly: Assembly,
     pub(crate) groups: Vec<FiberGroup<B>>,
     /// Group and lane of every fibre.
-    lanes: Vec<(usize, usize)>,
+    pub(crate) lanes: Vec<(usize, usize)>,
     /// Since the start, if it is kept.
     ledger: Option<EnergyLedger>,
     /// Positions and vectors of all nodes or segments, for the steps of fibres in contact.

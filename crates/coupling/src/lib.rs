@@ -20,6 +20,7 @@ mod merging;
 mod object;
 mod pair;
 mod phase_times;
+mod regrouping;
 mod report;
 mod surroundings;
 mod time_interval;

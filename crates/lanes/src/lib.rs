@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod finite;
 mod functions;
 mod lane;
 mod machine;
@@ -14,6 +15,7 @@ mod transpose;
 mod vector;
 mod ways;
 
+pub use finite::all_finite;
 pub use functions::{angle, ln};
 pub use lane::{Lane, Mask, Select};
 pub use machine::{Kernel, Machine, dispatch};

@@ -32,7 +32,7 @@ pub use node_quantity::NodeQuantity;
 pub use response::{ImpulseResponse, Impulses, Point, PointAction, PointResponses};
 pub use rod::{Energy, Momentum, Rod, RodIntegrator, RodState, RodStepReport, SectionLaws};
 pub use staggered::{
-    EquilibriumError, FittedFiber, Staggered, StaggeredBatch, StepVelocity,
+    EquilibriumError, FittedFiber, MovingRod, Staggered, StaggeredBatch, StepVelocity,
     bounded_natural_curvatures, equilibrium, expected_error, fitted, fitted_end_load,
     natural_curvatures, segments_in_nozzle,
 };

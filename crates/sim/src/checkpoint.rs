@@ -7,7 +7,7 @@ use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
 /// First bytes of a checkpoint: the name and the version of the format.
-const MAGIC: &[u8; 12] = b"RAPUNZEL\x08\0\0\0";
+const MAGIC: &[u8; 12] = b"RAPUNZEL\x09\0\0\0";
 /// Where the rest begins, which is hashed.
 const HEAD: u64 = 12 + 32;
 /// Room for the texts in it.

@@ -143,13 +143,14 @@ impl FibersInContact {
 
     /// All numbers that change, of fibres and contacts: lists that are made one at a time.
     pub fn save(&self) -> impl Iterator<Item = Vec<f64>> {
-        self.fibers.save().chain(self.stepper.memory.save())
+        let order = self.fibers.order().map(|fiber| fiber as f64).collect();
+        std::iter::once(order).chain(self.fibers.save()).chain(self.stepper.memory.save())
     }
 
     /// Number of the lists that [`save`](Self::save) makes.
     #[must_use]
     pub fn saved(&self) -> usize {
-        self.fibers.save().len() + self.stepper.memory.save().len()
+        1 + self.fibers.save().len() + self.stepper.memory.save().len()
     }
 
     /// Goes back to saved numbers.
@@ -159,7 +160,11 @@ impl FibersInContact {
     pub fn restore(&mut self, saved: &[Vec<f64>]) -> Result<(), CouplingError> {
         let expected = self.fibers.save().len();
         let wrong = RodError::Length { what: "saved lists", expected, found: saved.len() };
+        let [order, saved @ ..] = saved else { return Err(wrong.into()) };
         let (fibers, contacts) = saved.split_at_checked(expected).ok_or(wrong.clone())?;
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "if it is one")]
+        let order: Vec<_> = order.iter().map(|fiber| *fiber as usize).collect();
+        self.fibers.arrange(&order)?;
         self.fibers.restore(fibers)?;
         let joints = self.stepper.memory.joints.len();
         self.stepper.memory = WarmStart::restored(contacts).ok_or(wrong)?;

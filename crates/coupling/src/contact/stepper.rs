@@ -14,6 +14,7 @@ use crate::contact_point::{ContactImpulse, ContactPoint};
 use crate::contact_report::Unresolved;
 use crate::merging::merged;
 use crate::phase_times::{ContactTimes, PhaseTimer, Stopwatch};
+use crate::regrouping::GroupClasses;
 use crate::{CouplingError, FiberGroup, StepReport, TimeInterval};
 use nalgebra::Vector3;
 use rapunzel_contact::{Adaptive, ContactSolver, Polished, Tolerance};
@@ -42,6 +43,8 @@ pub(super) struct ContactStepper {
     pub(super) solver: ContactSolver,
     /// Sections of all segments.
     pub(super) shapes: SectionShapes,
+    /// Groups among which fibres may move.
+    classes: GroupClasses,
     /// The smallest radius of a circle with the area of a section, m.
     radius: f64,
     /// Mass of a segment of the lightest fibre, kg.
@@ -96,6 +99,7 @@ impl ContactStepper {
             detector,
             solver,
             shapes,
+            classes: GroupClasses::new(system.fibers),
             radius,
             segment_mass,
             misspin,
@@ -208,6 +212,7 @@ impl ContactStepper {
                 let works = junctions.works(system.fibers, part.work_of_couples, dt);
                 system.accept(time, dt, &works);
                 system.take_off(&part.touching);
+                self.regroup(system, &part.touching)?;
                 cache_impulses(&self.points, &mut known);
             }
             Err(_) => {
@@ -224,6 +229,22 @@ impl ContactStepper {
         self.memory.work += part.work;
         part.report.contact.parts = 1;
         Ok(part.report)
+    }
+
+    /// Lets fibres that touch something move side by side, so that few groups are solved with
+    /// contacts.
+    fn regroup(
+        &mut self,
+        system: &mut CoupledSystem,
+        touching: &[bool],
+    ) -> Result<(), SubstepFailure> {
+        let mut laps = PhaseTimer::start(self.stopwatch);
+        if let Some(order) = self.classes.with_busy_together(system.fibers, touching) {
+            let arranged = system.fibers.arrange(&order.concat());
+            arranged.map_err(|error| SubstepFailure::Fatal(error.into()))?;
+        }
+        laps.lap(&mut self.times.rods);
+        Ok(())
     }
 
     /// Solves a substep: lists contacts where it is expected to lead, solves them together with the

@@ -26,8 +26,9 @@ pub struct StaggeredBatch {
     pub(super) time: f64,
     /// Size of the step that is under way across calls, s; zero if none is.
     pub(super) predicted: f64,
-    /// Whether fibres that bear nothing have a method of their own.
-    hybrid: bool,
+    /// Method of the fibres, and of those that bear nothing where it is another one.
+    pub(super) scheme: Scheme,
+    pub(super) flight: Option<Scheme>,
     /// Whether the initial acceleration of a fibre is still to be found.
     pub(super) fresh: [bool; LANES],
     /// Value of `fresh` before the step that has been predicted.
@@ -81,7 +82,7 @@ impl StaggeredBatch {
         Ok(Scheme::generalised_alpha(rho_inf))
     }
 
-    fn with_scheme(
+    pub(super) fn with_scheme(
         rods: Vec<Rod>,
         scheme: Scheme,
         flight: Option<Scheme>,
@@ -105,7 +106,8 @@ impl StaggeredBatch {
             rods,
             time: 0.0,
             predicted: 0.0,
-            hybrid: flight.is_some(),
+            scheme,
+            flight,
             fresh,
             fresh_before,
             ledgers: None,
@@ -289,17 +291,24 @@ impl StaggeredBatch {
     pub fn save(&self, numbers: &mut Vec<f64>) {
         numbers.reserve_exact(self.numbers());
         numbers.push(self.time);
-        for fiber in 0..self.rods.len() {
-            numbers.push(f64::from(self.fresh[fiber]));
-            numbers.extend(self.hybrid.then(|| f64::from(self.bears(fiber))));
-            self.engine.save(fiber, numbers);
-        }
+        (0..self.rods.len()).for_each(|fiber| self.save_fiber(fiber, numbers));
+    }
+
+    /// Appends the numbers of one fibre.
+    pub(super) fn save_fiber(&self, fiber: usize, numbers: &mut Vec<f64>) {
+        numbers.push(f64::from(self.fresh[fiber]));
+        numbers.extend(self.flight.map(|_| f64::from(self.bears(fiber))));
+        self.engine.save(fiber, numbers);
     }
 
     /// Number of scalars that [`StaggeredBatch::save`] appends.
     fn numbers(&self) -> usize {
-        let flags = 1 + usize::from(self.hybrid);
-        1 + (0..self.rods.len()).map(|fiber| flags + self.engine.numbers(fiber)).sum::<usize>()
+        1 + (0..self.rods.len()).map(|fiber| self.numbers_of(fiber)).sum::<usize>()
+    }
+
+    /// Number of scalars of one fibre.
+    pub(super) fn numbers_of(&self, fiber: usize) -> usize {
+        1 + usize::from(self.flight.is_some()) + self.engine.numbers(fiber)
     }
 
     /// Restores the state from the numbers that [`StaggeredBatch::save`] wrote.
@@ -314,13 +323,20 @@ impl StaggeredBatch {
         };
         self.time = *time;
         for fiber in 0..self.rods.len() {
-            self.fresh[fiber] = rest[0] > 0.0;
-            if self.hybrid {
-                self.set_bearing(fiber, rest[1] > 0.0);
-            }
-            rest = self.engine.restore(fiber, &rest[1 + usize::from(self.hybrid)..]);
+            rest = self.restore_fiber(fiber, rest);
         }
         Ok(())
+    }
+
+    /// Restores one fibre from the front of `numbers`, and returns the rest.
+    pub(super) fn restore_fiber<'a>(&mut self, fiber: usize, numbers: &'a [f64]) -> &'a [f64] {
+        let (fresh, mut rest) = (numbers[0] > 0.0, &numbers[1..]);
+        self.fresh[fiber] = fresh;
+        if self.flight.is_some() {
+            self.set_bearing(fiber, rest[0] > 0.0);
+            rest = &rest[1..];
+        }
+        self.engine.restore(fiber, rest)
     }
 }
 

@@ -9,7 +9,7 @@ use crate::{
     RodStepReport, StepError,
 };
 use nalgebra::{Matrix3, Vector3};
-use rapunzel_lanes::LANES;
+use rapunzel_lanes::{LANES, all_finite};
 
 const NOT_UNDER_WAY: &str = "none is under way: set out on one";
 
@@ -199,9 +199,9 @@ impl StaggeredBatch {
             if vectors.len() != fibers * each && !vectors.is_empty() {
                 return error((vectors.len() / each).min(fibers - 1), count);
             }
-            // Without a branch for each, and the search for the culprit only where there is one.
-            let finite = |p: &Vector3<f64>| p.x.is_finite() & p.y.is_finite() & p.z.is_finite();
-            if !vectors.iter().fold(true, |all, p| all & finite(p)) {
+            // The search for the culprit only where there is one.
+            if !all_finite(vectors, |&p| p.into()) {
+                let finite = |p: &Vector3<f64>| p.iter().all(|x| x.is_finite());
                 let culprit = vectors.iter().position(|p| !finite(p)).unwrap_or_default();
                 return error(culprit / each, "must be finite (N s, N m s)");
             }

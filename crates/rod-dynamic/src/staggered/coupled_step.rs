@@ -100,6 +100,9 @@ impl<S: Simd> BatchCoupledStep for SimdBatch<S> {
     }
 
     fn press(&mut self, fibers: usize, impulses: Impulses) -> bool {
+        if !self.bears_impulses && impulses == Impulses::NONE {
+            return false;
+        }
         // What the impulses change by, as far as no end takes it up.
         self.add_impulses(-1.0);
         self.set_impulses(fibers, impulses);

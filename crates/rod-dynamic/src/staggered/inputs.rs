@@ -150,6 +150,7 @@ impl<S: Simd> BatchInputs for SimdBatch<S> {
         if impulses.nodes.is_empty() {
             self.clear_impulses();
         } else {
+            self.bears_impulses = true;
             for lane in 0..fibers {
                 self.set_lane_impulses(lane, impulses.of_fiber(lane, self.chain.n));
             }
@@ -160,6 +161,9 @@ impl<S: Simd> BatchInputs for SimdBatch<S> {
 impl<S: Simd> SimdBatch<S> {
     /// Takes all impulses off.
     pub(super) fn clear_impulses(&mut self) {
+        if !std::mem::take(&mut self.bears_impulses) {
+            return;
+        }
         self.impulses.fill(S::f64s::zeroed());
         self.moments.clear();
         self.absorbed = [[S::f64s::zeroed(); 3]; 2];

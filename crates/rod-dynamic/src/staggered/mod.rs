@@ -27,6 +27,7 @@ mod coupled_step;
 mod ends;
 mod equilibrium;
 mod erased_batch;
+mod exchange;
 mod factor;
 mod fed_segments;
 mod history;
@@ -62,6 +63,7 @@ mod workspace;
 
 pub use batch::StaggeredBatch;
 pub use equilibrium::{EquilibriumError, equilibrium};
+pub use exchange::MovingRod;
 pub use natural::{
     FittedFiber, bounded_natural_curvatures, fitted, fitted_end_load, natural_curvatures,
 };

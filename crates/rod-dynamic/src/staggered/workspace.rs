@@ -14,6 +14,8 @@ use std::cell::RefCell;
 
 /// Scratch arrays of one call: written before they are read, and not read after the call.
 pub(super) struct BatchWorkspace<S: Simd> {
+    /// Segments of the rods that the arrays fit.
+    n: usize,
     /// Stiffness of the joints with the damping of the step, N m (3 per joint).
     pub(super) k: Array<S>,
     /// Rotation vectors at which the joints have no moment, rad (3 per joint).
@@ -103,6 +105,7 @@ impl<S: Simd> BatchWorkspace<S> {
     pub(super) fn empty() -> Self {
         let none = || zeros::<S>(0);
         Self {
+            n: 0,
             k: none(),
             target: none(),
             mu: none(),
@@ -138,6 +141,9 @@ impl<S: Simd> BatchWorkspace<S> {
 
     /// Resizes all arrays to rods of `n` segments.
     fn fit(&mut self, n: usize) {
+        if std::mem::replace(&mut self.n, n) == n {
+            return;
+        }
         let of_nodes = [
             (&mut self.k, 3),
             (&mut self.target, 3),

@@ -112,6 +112,58 @@ fn restored_batches_continue_bit_for_bit() {
     assert!(batch.restore(&saved[1..]).is_err(), "one number is missing");
 }
 
+/// Fibres that change places with others between steps go on to the same bits.
+#[test]
+fn fibers_go_on_bit_for_bit_in_another_batch() {
+    let new = |members: &[usize], rho: f64| {
+        StaggeredBatch::hybrid(members.iter().map(|&i| rod(i)).collect(), rho).expect("valid")
+    };
+    let (mut members, mut other_members) = ([1, 3, 5], [7, 9]);
+    let (mut batch, mut other) = (new(&members, 0.3), new(&other_members, 0.3));
+    batch.set_bearing(1, true);
+    for _ in 0..10 {
+        step(&mut batch, &members, DT);
+        step(&mut other, &other_members, DT);
+    }
+    let [mut rods, mut others] = [&batch, &other].map(StaggeredBatch::moving_rods);
+    for _ in 0..10 {
+        step(&mut batch, &members, DT);
+        step(&mut other, &other_members, DT);
+    }
+    let expected: Vec<_> = (0..3).map(|lane| batch.state(lane)).collect();
+    let other_expected: Vec<_> = (0..2).map(|lane| other.state(lane)).collect();
+    std::mem::swap(&mut rods[1], &mut others[0]);
+    std::mem::swap(&mut members[1], &mut other_members[0]);
+    let (mut moved, mut other_moved) = (new(&[11, 11, 11], 0.3), new(&[11, 11], 0.3));
+    for (one, time) in [(&mut moved, batch.time()), (&mut other_moved, other.time())] {
+        let mut state = one.state(0);
+        state.time = time - 10.0 * DT;
+        one.set_state(0, &state).expect("its own");
+    }
+    moved.replace_rods(rods).expect("of a kind");
+    other_moved.replace_rods(others).expect("of a kind");
+    assert!(!moved.bears(1) && other_moved.bears(0));
+    for _ in 0..10 {
+        step(&mut moved, &members, DT);
+        step(&mut other_moved, &other_members, DT);
+    }
+    let states = |batch: &StaggeredBatch, lanes: &[usize]| -> Vec<_> {
+        lanes.iter().map(|&lane| batch.state(lane).positions).collect()
+    };
+    let all: Vec<_> = expected.iter().chain(&other_expected).map(|s| s.positions.clone()).collect();
+    let [a, b, c, d, e] = &all[..] else { panic!("five") };
+    assert_eq!(states(&moved, &[0, 1, 2]), [a.clone(), d.clone(), c.clone()]);
+    assert_eq!(states(&other_moved, &[0, 1]), [b.clone(), e.clone()]);
+    // Those that are damped remember more.
+    let mut undamped = new(&[0, 2], 0.3);
+    let before = numbers(&undamped);
+    undamped.replace_rods(batch.moving_rods()[1..].to_vec()).expect("all of another kind");
+    let mixed =
+        vec![undamped.moving_rods().swap_remove(0), new(&[0], 0.3).moving_rods().swap_remove(0)];
+    undamped.replace_rods(mixed).expect_err("damped and not");
+    assert_ne!(numbers(&undamped), before);
+}
+
 /// Loads that are not finite are refused, loads that overflow do not converge; what other fibres
 /// did in the step, halved or not, is taken back.
 #[test]

@@ -33,6 +33,7 @@ mod objects;
 mod pressed;
 mod probes;
 mod reference;
+mod regrouping;
 mod rest;
 mod resting;
 mod rigid;
