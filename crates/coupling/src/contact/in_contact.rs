@@ -159,7 +159,8 @@ impl FibersInContact {
     /// [`CouplingError::Restore`] if they are those of other fibres.
     pub fn restore(&mut self, saved: &[Vec<f64>]) -> Result<(), CouplingError> {
         let expected = self.fibers.save().len();
-        let wrong = RodError::Length { what: "saved lists", expected, found: saved.len() };
+        let (what, found) = ("saved lists", saved.len());
+        let wrong = RodError::Length { what, expected: 1 + expected, found };
         let [order, saved @ ..] = saved else { return Err(wrong.into()) };
         let (fibers, contacts) = saved.split_at_checked(expected).ok_or(wrong.clone())?;
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "if it is one")]
