@@ -3,7 +3,16 @@
 use crate::common::set_out_and_solve;
 use crate::staggered_response::{SEGMENTS, falling, hold, read};
 use nalgebra::Vector3;
-use rapunzel_rod_dynamic::{Conditions, ImpulseResponse, Impulses, RodStepReport, StepVelocity};
+use rapunzel_rod_dynamic::{
+    Conditions, ImpulseResponse, Impulses, RodStepReport, StaggeredBatch, StepVelocity,
+};
+
+/// A share of impulses that move all nodes by some decimetres a second, but every seventh.
+fn impulses(batch: &StaggeredBatch, share: f64) -> Vec<Vector3<f64>> {
+    let mass = batch.rods()[0].fiber.mass() / SEGMENTS as f64;
+    let one = |node: usize| Vector3::new(0.1, -0.2, 0.05) * mass * (node % 7) as f64 * share;
+    (0..batch.nodes()).map(one).collect()
+}
 
 /// Newton's method step by step from where the motion leads, with impulses that change on the way,
 /// ends where it does with the last of them from the start.
@@ -13,16 +22,13 @@ fn iterations_taken_one_by_one_end_in_the_same_step() {
     let hold = hold();
     let conditions: Vec<&dyn Conditions> = vec![&hold; 3];
     let mut reports = [RodStepReport::default(); 3];
-    let mass = batch.rods()[0].fiber.mass() / SEGMENTS as f64;
-    let impulses: Vec<_> =
-        (0..batch.nodes()).map(|a| Vector3::new(0.1, -0.2, 0.05) * mass * (a % 7) as f64).collect();
+    let [impulses, half] = [1.0, 0.5].map(|share| impulses(&batch, share));
     batch.abandon();
     set_out_and_solve(&mut batch, 1e-3, &conditions, Impulses::on_nodes(&impulses))
         .expect("converges");
     batch.accept();
     let expected: Vec<_> = (0..3).map(|fiber| batch.state(fiber)).collect();
     batch.restore(&start).expect("the same batch");
-    let half: Vec<_> = impulses.iter().map(|impulse| impulse * 0.5).collect();
     batch.set_out(1e-3, &conditions, Impulses::on_nodes(&half), &mut reports).expect("sound");
     let mut turns = Vec::new();
     for _ in 0..6 {
@@ -55,10 +61,7 @@ fn impulses_may_change_before_anything_moves() {
     let hold = hold();
     let conditions: Vec<&dyn Conditions> = vec![&hold; 3];
     let mut reports = [RodStepReport::default(); 3];
-    let mass = batch.rods()[0].fiber.mass() / SEGMENTS as f64;
-    let change: Vec<_> =
-        (0..batch.nodes()).map(|a| Vector3::new(0.1, -0.2, 0.05) * mass * (a % 7) as f64).collect();
-    let none = vec![Vector3::zeros(); batch.nodes()];
+    let [change, none] = [1.0, 0.0].map(|share| impulses(&batch, share));
     let mut velocities = [none.clone(), none.clone(), none.clone(), none.clone()];
     batch.abandon();
     set_out_and_solve(&mut batch, 1e-3, &conditions, Impulses::on_nodes(&change))
@@ -94,15 +97,10 @@ fn a_chord_step_is_off_by_the_square_of_the_change() {
     let hold = hold();
     let conditions: Vec<&dyn Conditions> = vec![&hold; 3];
     let mut reports = [RodStepReport::default(); 3];
-    let mass = batch.rods()[0].fiber.mass() / SEGMENTS as f64;
-    let all = |share: f64| -> Vec<_> {
-        let one = |a: usize| Vector3::new(0.1, -0.2, 0.05) * mass * (a % 7) as f64 * share;
-        (0..3 * (SEGMENTS + 1)).map(one).collect()
-    };
-    let none = all(0.0);
+    let none = impulses(&batch, 0.0);
     batch.abandon();
     let [whole, half] = [1.0, 0.5].map(|share| {
-        let change = all(share);
+        let change = impulses(&batch, share);
         batch.restore(&start).expect("the same batch");
         batch.set_out(1e-3, &conditions, Impulses::on_nodes(&none), &mut reports).expect("sound");
         for _ in 0..6 {
