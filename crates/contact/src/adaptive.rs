@@ -24,19 +24,27 @@ pub struct Adaptive {
     /// Tolerances at which it stops.
     pub tolerance: Tolerance,
     one_by_one: OneByOne,
+    /// Whether contacts were few in the last solve.
+    few: bool,
 }
 
 impl Adaptive {
     /// A solver that stops at these tolerances.
     #[must_use]
     pub fn new(tolerance: Tolerance) -> Self {
-        Self { tolerance, one_by_one: OneByOne::new(PART, 1.0, true) }
+        Self { tolerance, one_by_one: OneByOne::new(PART, 1.0, true), few: false }
     }
 
     /// Forgets that solving one by one has led nowhere, since when only splitting is tried: what
     /// comes now is another problem.
     pub fn forget(&mut self) {
         self.one_by_one.stalled = false;
+    }
+
+    /// Whether the last solve went one by one to its end: a more exact one costs hardly more.
+    #[must_use]
+    pub fn is_one_by_one(&self) -> bool {
+        self.few && !self.one_by_one.stalled
     }
 }
 
@@ -48,8 +56,9 @@ impl Solver for Adaptive {
         velocities: &[Vector3<f64>],
         impulses: &mut [Vector3<f64>],
     ) -> Result<Report, ContactError> {
-        let Self { tolerance, one_by_one } = self;
-        if one_by_one.stalled || !are_few(bodies, contacts) {
+        let Self { tolerance, one_by_one, few } = self;
+        *few = are_few(bodies, contacts);
+        if one_by_one.stalled || !*few {
             let splitting = one_by_one.splitting(tolerance, tolerance.iterations);
             return splitting.solve(bodies, contacts, velocities, impulses);
         }

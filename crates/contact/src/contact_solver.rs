@@ -36,6 +36,16 @@ impl ContactSolver {
             Self::Polished(solver) => solver.forget(),
         }
     }
+
+    /// Whether the last solve went one by one to its end, [`Adaptive::is_one_by_one`]: a more exact
+    /// one costs hardly more.
+    #[must_use]
+    pub fn is_one_by_one(&self) -> bool {
+        match self {
+            Self::Adaptive(solver) => solver.is_one_by_one(),
+            Self::Polished(_) => false,
+        }
+    }
 }
 
 impl Solver for ContactSolver {

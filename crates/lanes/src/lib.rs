@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod equal;
 mod finite;
 mod functions;
 mod lane;
@@ -15,6 +16,7 @@ mod transpose;
 mod vector;
 mod ways;
 
+pub use equal::all_equal;
 pub use finite::all_finite;
 pub use functions::{angle, ln};
 pub use lane::{Lane, Mask, Select};

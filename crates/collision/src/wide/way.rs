@@ -6,6 +6,7 @@ use crate::join::join;
 use crate::narrow::squared_distances;
 use crate::{Capsules, CollisionError, Pair};
 use nalgebra::{Point3, Vector3};
+use rapunzel_lanes::all_equal;
 use rayon::prelude::*;
 
 /// Pairs that one task takes.
@@ -125,7 +126,7 @@ impl Way {
     /// Which ends of a motion are not those that it has set out for; `None` where all may be
     /// others.
     pub(super) fn astray(&self, start: &Capsules, end: &Capsules) -> Option<Astray> {
-        if self.start != start.positions() {
+        if !all_equal(&self.start, start.positions(), |p| p.coords.into()) {
             return None;
         }
         let ends = || self.end.iter().zip(end.positions());

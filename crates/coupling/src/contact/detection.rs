@@ -2,17 +2,16 @@
 
 use super::ball_joints::BallJoints;
 use super::fiber_contacts::{fiber_number, fiber_rank, fibers, put_together, same_fibers};
+use super::object_detector::ObjectDetector;
 use super::pair_lists::{DETECTION_CHUNK, by_fibers, of_overlapping, sort};
 use super::sections::OrientedSections;
 use super::tunnelling::{bends, goes_on, keep_sides, leads_through};
+use crate::TimeInterval;
 use crate::body_ref::BodyRef;
 use crate::contact_point::{ContactPoint, same_place};
-use crate::fiber_on_object::MovingFiber;
 use crate::held_places::HeldPlaces;
-use crate::known_values::{KnownValue, KnownValues};
 use crate::merging::{merge, retain_others};
-use crate::object::{CollisionObject, MovingObject};
-use crate::{TimeInterval, pair};
+use crate::object::CollisionObject;
 use nalgebra::Point3;
 use rapunzel_collision::{
     Candidates, CapsuleContact, Capsules, CollisionError, Pair, contacts_of_groups,
@@ -20,9 +19,6 @@ use rapunzel_collision::{
 };
 use rapunzel_fiber::Layout;
 use rayon::prelude::*;
-
-/// Fibres that one task looks for at objects.
-const FIBERS: usize = 8;
 
 /// How much closer two segments may come before the list of pairs is made anew, in margins.
 const RESERVE: f64 = 128.0;
@@ -36,16 +32,12 @@ pub(crate) struct ContactDetector {
     /// Whether what is near at the start belongs to a list wherever it ends: a film holds it.
     holds: bool,
     candidates: Candidates,
-    /// Fibres that grow out of objects, by their numbers, in order: their first segments do not
-    /// touch these.
-    rooted: Vec<[u32; 2]>,
+    objects: ObjectDetector,
     /// What is beside these does not touch.
     pub(super) joints: BallJoints,
     /// Number of segments, from the root on, of each fibre that are inside a nozzle, where they
     /// touch nothing; empty where none is fed.
     in_nozzles: Vec<usize>,
-    /// What is known of the fields of objects.
-    known: KnownValues,
 }
 
 /// What fibres and objects are in each other at the end of a motion.
@@ -65,11 +57,13 @@ pub(crate) struct NodeMotion<'a> {
     pub(crate) start: &'a [Point3<f64>],
     pub(crate) end: &'a [Point3<f64>],
     pub(crate) step: TimeInterval,
+    /// By fibre, whether its contact points are looked for; all are if there is nothing here.
+    pub(crate) sought: Option<&'a [bool]>,
 }
 
 impl NodeMotion<'_> {
     /// Radii of the tubes that all segments are seen as, m.
-    fn radii(&self) -> &[f64] {
+    pub(super) fn radii(&self) -> &[f64] {
         &self.sections.shapes.radii
     }
 
@@ -85,15 +79,14 @@ impl ContactDetector {
     pub(crate) fn new(margin: f64, more: f64, holds: bool) -> Result<Self, CollisionError> {
         // Of what is farther, a list knows what was near when it was made: chance would decide.
         let candidates = Candidates::new(margin + more, RESERVE * margin)?;
-        let (rooted, in_nozzles, joints) = (Vec::new(), Vec::new(), BallJoints::default());
-        let known = KnownValues::default();
-        Ok(Self { margin, more, holds, candidates, rooted, joints, in_nozzles, known })
+        let (objects, joints) = (ObjectDetector::default(), BallJoints::default());
+        Ok(Self { margin, more, holds, candidates, objects, joints, in_nozzles: Vec::new() })
     }
 
     /// Lets fibres grow out of objects from now on: of these pairs by their numbers, in order, the
     /// first segment of the fibre does not touch the object.
     pub(crate) fn root(&mut self, rooted: Vec<[u32; 2]>) {
-        self.rooted = rooted;
+        self.objects.root(rooted);
     }
 
     /// Lets the first segments of each fibre touch nothing from now on: as many as it has inside a
@@ -151,6 +144,10 @@ impl ContactDetector {
     ) -> Result<bool, CollisionError> {
         let (start, end) = (motion.capsules(motion.start)?, motion.capsules(motion.end)?);
         let mut pairs = self.candidates.on_the_way(&start, &end)?;
+        if let Some(sought) = motion.sought {
+            pairs
+                .retain(|(pair, _)| fibers(motion.layout, pair).iter().any(|&fiber| sought[fiber]));
+        }
         if !self.joints.is_empty() {
             pairs.retain(|(pair, _)| !self.joints.parts(pair));
         }
@@ -177,7 +174,8 @@ impl ContactDetector {
         drop(near);
         let through = fast.iter().any(|contact| leads_through(&start, &end, contact, inner));
         add(&end, fast, &mut contacts);
-        let mut others = self.of_objects(motion, objects, held, margin);
+        let hidden = &self.in_nozzles;
+        let mut others = self.objects.contact_points(motion, objects, held, hidden, margin);
         others.retain(|point| !self.joints.parts_point(point));
         others.sort_unstable_by_key(ContactPoint::rank);
         others.dedup_by(|b, a| a.rank().same(&b.rank()));
@@ -186,45 +184,6 @@ impl ContactDetector {
         motion.sections.seat(motion.layout, points);
         points.par_iter_mut().for_each(ContactPoint::meet);
         Ok(through)
-    }
-
-    /// What fibres, and objects that move freely, touch of the objects.
-    fn of_objects(
-        &mut self,
-        motion: &NodeMotion,
-        objects: &[CollisionObject],
-        held: &HeldPlaces,
-        margin: f64,
-    ) -> Vec<ContactPoint> {
-        let Self { rooted, in_nozzles, known, .. } = self;
-        let moving: Vec<_> =
-            objects.iter().map(|object| MovingObject::new(object, motion.step)).collect();
-        let strand = |(fiber, known): (usize, &mut Vec<KnownValue>)| {
-            let mut found = Vec::new();
-            let nodes = motion.layout.node_range(fiber);
-            let all = (0..).zip(objects).zip(&moving).zip(known.chunks_mut(nodes.len()));
-            for (((index, object), moving), known) in all {
-                let number = fiber_number(fiber);
-                let strand = MovingFiber {
-                    fiber: number,
-                    first: usize::from(rooted.binary_search(&[number, index]).is_ok())
-                        .max(in_nozzles.get(fiber).copied().unwrap_or(0)),
-                    held: held.of_pair([number, index]),
-                    start: &motion.start[nodes.clone()],
-                    end: &motion.end[nodes.clone()],
-                    radii: &motion.radii()[motion.layout.segment_range(fiber)],
-                };
-                object.contact_points(index, &strand, known, moving, margin, &mut found);
-            }
-            found
-        };
-        // Few of many may be near any.
-        let known = known.of_fibers(motion.layout, objects.len());
-        let fibers = known.par_iter_mut().enumerate().with_max_len(FIBERS);
-        let found: Vec<_> = fibers.map(strand).collect();
-        let mut found = found.concat();
-        found.extend(pair::contact_points(objects, motion.step, margin));
-        found
     }
 }
 
@@ -322,7 +281,7 @@ mod tests {
         let sections = OrientedSections { shapes: &shapes, directors: &[] };
         let (start, end) = (&nodes[..], &nodes[..]);
         let step = TimeInterval { start: 0.0, length: 1e-3 };
-        let motion = NodeMotion { layout: &layout, sections, start, end, step };
+        let motion = NodeMotion { layout: &layout, sections, start, end, step, sought: None };
         let mut detector = ContactDetector::new(RADIUS, RADIUS, false).expect("lengths");
         let mut points = Vec::new();
         detector.detect(&motion, &[], &HeldPlaces::default(), &mut points).expect("one layout");
@@ -376,7 +335,7 @@ mod tests {
             let shapes = SectionShapes::round(vec![radius; 2]);
             let sections = OrientedSections { shapes: &shapes, directors: &[] };
             let step = TimeInterval { start: 0.0, length: 1e-3 };
-            let motion = NodeMotion { layout: &layout, sections, start, end, step };
+            let motion = NodeMotion { layout: &layout, sections, start, end, step, sought: None };
             let mut detector = ContactDetector::new(radius, radius, false).expect("lengths");
             let found = detector.overlaps(&motion, &[], 0.1 * radius).expect("one layout");
             assert_eq!(found.through, through, "{height}");

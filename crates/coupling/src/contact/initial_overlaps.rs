@@ -33,6 +33,7 @@ pub(super) fn contact_points(
         start: &start,
         end: &start,
         step: TimeInterval::instant(system.start),
+        sought: None,
     };
     let grows = |fiber: usize| {
         let held = ends(system, fiber)[0].holds_position();

@@ -56,6 +56,7 @@ mod leaps;
 mod listing;
 mod newton;
 mod node_arrays;
+mod object_detector;
 mod pair_lists;
 mod problem;
 mod rooted;

@@ -14,7 +14,7 @@ use crate::contact_point::ContactPoint;
 use crate::phase_times::PhaseTimer;
 use rapunzel_collision::CollisionError;
 use rapunzel_contact::Tolerance;
-use rapunzel_rod_dynamic::{Impulses, StepVelocity};
+use rapunzel_rod_dynamic::Impulses;
 use rapunzel_scene::{ContactMethod, ContactSettings};
 
 /// Most iterations of Newton's method with one list of contacts.
@@ -115,9 +115,10 @@ impl ContactStepper {
         case.turned(&turns);
         let turn = part.note_turns(&turns, &unmoved, &still);
         laps.lap(&mut self.times.rods);
-        let mean = case.velocities(system, StepVelocity::Mean);
-        self.bend(system, case, &mean, part.dt);
-        let found = case.certificate(system, &mean);
+        let dt = part.dt;
+        let mean = part.mean(system, case);
+        self.bend(system, case, mean, dt);
+        let found = case.certificate(system, mean);
         case.set_error(self.tolerance(part.dt).error(&found));
         laps.lap(&mut self.times.laws);
         part.report.iterations += system.fibers.assembly().fibers().len();
@@ -136,14 +137,13 @@ impl ContactStepper {
     fn strays(
         &mut self,
         system: &CoupledSystem,
-        part: &Substep,
+        part: &mut Substep,
         case: &ContactProblem,
     ) -> Result<bool, CollisionError> {
         let mut laps = PhaseTimer::start(self.stopwatch);
-        let mean = case.velocities(system, StepVelocity::Mean);
-        let ends = system.fibers.ends(&self.shapes);
-        let near = case.near(system, &mean, part.dt);
-        let found = detection::gaps(&part.motion(system, &self.shapes, &ends), &near)?;
+        let dt = part.dt;
+        let near = case.near(system, part.mean(system, case), dt);
+        let found = detection::gaps(&part.motion(system, &self.shapes), &near)?;
         laps.lap(&mut self.times.detection);
         let deeper =
             |(point, found): (&ContactPoint, f64)| point.gap.min(0.0) - found > self.depth();
@@ -154,6 +154,16 @@ impl ContactStepper {
     /// loose answers would fling them apart.
     pub(super) fn rough(&self, effort: ForcingTerm) -> ForcingTerm {
         if self.film.is_some() { ForcingTerm::LAST } else { self.of_use(effort) }
+    }
+
+    /// The effort with contacts that are new where fibres are so deep in each other, m. One by one
+    /// an exact solution costs less than another iteration of Newton's method.
+    pub(super) fn of_next_list(&self, depth: f64) -> ForcingTerm {
+        if self.solver.is_one_by_one() {
+            ForcingTerm::LAST
+        } else {
+            self.rough(ForcingTerm::where_off(depth / self.depth()))
+        }
     }
 
     /// An effort as far as that is of use.

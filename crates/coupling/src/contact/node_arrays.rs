@@ -7,6 +7,7 @@ use crate::body_ref::BodyRef;
 use crate::contact_point::ContactImpulse;
 use crate::{FiberGroup, Fibers};
 use nalgebra::{Point3, Vector3};
+use rapunzel_lanes::LANES;
 use rapunzel_rod_dynamic::{
     ImpulseResponse, Impulses, RodError, StaggeredBatch, StepError, StepVelocity,
 };
@@ -27,6 +28,8 @@ pub(super) struct StepEnds {
     pub(super) end: PooledArray<Point3<f64>>,
     /// Directors d1 and d2 of segments; none where all sections are round.
     pub(super) directors: Vec<[Vector3<f64>; 2]>,
+    /// By group, whether its fibres have moved since.
+    pub(super) moved: Vec<bool>,
 }
 
 /// Impulses on all fibres, group by group and fibre by fibre.
@@ -45,23 +48,41 @@ impl Fibers<StaggeredBatch> {
     pub(super) fn positions(&self) -> PooledArray<Point3<f64>> {
         let mut all = self.positions.take(self.assembly().layout().nodes(), Point3::origin());
         let range = |fiber| self.assembly().layout().node_range(fiber);
-        self.gather(&mut all, range, |_, batch, own| batch.start_positions(own));
+        let start = |_, batch: &StaggeredBatch, own: &mut [&mut [_]]| batch.start_positions(own);
+        self.gather(&mut all, range, &self.every_group(), start);
         all
     }
 
-    /// Positions of all nodes where the step under way has been solved to, and how flat sections
-    /// lie then.
-    pub(super) fn ends(&self, shapes: &SectionShapes) -> StepEnds {
-        StepEnds { end: self.end_positions(), directors: self.directors(shapes) }
+    /// Room for where the step under way is solved to, before anything has been read of it.
+    pub(super) fn ends(&self) -> StepEnds {
+        let end = self.positions.take(self.assembly().layout().nodes(), Point3::origin());
+        StepEnds { end, directors: Vec::new(), moved: vec![true; self.groups.len()] }
+    }
+
+    /// Reads where the step under way has been solved to, of the groups that have moved since.
+    pub(super) fn renew(&self, ends: &mut StepEnds, shapes: &SectionShapes) {
+        let StepEnds { end, directors, moved } = ends;
+        self.read_ends(end, moved);
+        self.read_directors(directors, shapes, moved);
+        moved.fill(false);
     }
 
     /// Positions of all nodes where the step under way has been solved to, in the order of the
     /// assembly.
     pub(super) fn end_positions(&self) -> PooledArray<Point3<f64>> {
         let mut all = self.positions.take(self.assembly().layout().nodes(), Point3::origin());
-        let range = |fiber| self.assembly().layout().node_range(fiber);
-        self.gather(&mut all, range, |_, batch, own| batch.end_positions(own));
+        self.read_ends(&mut all, &self.every_group());
         all
+    }
+
+    fn read_ends(&self, all: &mut [Point3<f64>], groups: &[bool]) {
+        let range = |fiber| self.assembly().layout().node_range(fiber);
+        self.gather(all, range, groups, |_, batch, own| batch.end_positions(own));
+    }
+
+    /// That all groups are meant.
+    fn every_group(&self) -> Vec<bool> {
+        vec![true; self.groups.len()]
     }
 
     /// Velocities of the step under way, of all fibres or of what is `touched`.
@@ -78,12 +99,13 @@ impl Fibers<StaggeredBatch> {
             nodes.fill(Vector3::repeat(f64::NAN));
             spins.fill(Vector3::repeat(f64::NAN));
         }
+        let groups = self.every_group();
         let range = |fiber| layout.node_range(fiber);
-        self.gather(&mut nodes, range, |group, batch, own| {
+        self.gather(&mut nodes, range, &groups, |group, batch, own| {
             batch.velocities(which, touched.map(|parts| &parts.nodes[group][..]), own)
         });
         let range = |fiber| layout.segment_range(fiber);
-        self.gather(&mut spins, range, |group, batch, own| {
+        self.gather(&mut spins, range, &groups, |group, batch, own| {
             batch.spins(which, touched.map(|parts| &parts.segments[group][..]), own)
         });
         FiberVelocities { nodes, spins }
@@ -92,28 +114,39 @@ impl Fibers<StaggeredBatch> {
     /// Directors d1 and d2 of all segments, where the step has been solved to; none where all
     /// sections are round.
     pub(super) fn directors(&self, shapes: &SectionShapes) -> Vec<[Vector3<f64>; 2]> {
+        let mut all = Vec::new();
+        self.read_directors(&mut all, shapes, &self.every_group());
+        all
+    }
+
+    fn read_directors(
+        &self,
+        all: &mut Vec<[Vector3<f64>; 2]>,
+        shapes: &SectionShapes,
+        groups: &[bool],
+    ) {
         if shapes.are_round() {
-            return Vec::new();
+            return;
         }
         let layout = self.assembly().layout();
-        let mut all = vec![[Vector3::zeros(); 2]; layout.segments()];
+        all.resize(layout.segments(), [Vector3::zeros(); 2]);
         let range = |fiber| layout.segment_range(fiber);
-        self.gather(&mut all, range, |_, batch, own| {
+        self.gather(all, range, groups, |_, batch, own| {
             for (lane, own) in own.iter_mut().enumerate() {
                 let each = own.iter_mut().enumerate();
                 each.for_each(|(segment, own)| *own = batch.section(lane, segment));
             }
             Ok(())
         });
-        all
     }
 
-    /// Fills an array in the order of the assembly with what groups, by their numbers, `read` of
-    /// their fibres, into one slice for each: that of a fibre has its `range`.
+    /// Fills an array in the order of the assembly with what the marked groups, by their numbers,
+    /// `read` of their fibres, into one slice for each: that of a fibre has its `range`.
     fn gather<T: Send>(
         &self,
         all: &mut [T],
         range: impl Fn(usize) -> Range<usize>,
+        marked: &[bool],
         read: impl Fn(usize, &StaggeredBatch, &mut [&mut [T]]) -> Result<(), RodError> + Sync,
     ) {
         let fibers = self.assembly().fibers().len();
@@ -123,12 +156,16 @@ impl Fibers<StaggeredBatch> {
             slices.push(own);
             rest = behind;
         }
-        let mut take = |fiber: &usize| std::mem::take(&mut slices[*fiber]);
-        let groups = self.groups.iter();
-        let parts: Vec<(&FiberGroup<_>, Vec<&mut [T]>)> =
-            groups.map(|group| (group, group.fibers.iter().map(&mut take).collect())).collect();
-        parts.into_par_iter().enumerate().for_each(|(number, (group, mut own))| {
-            let done = read(number, &group.batch, &mut own);
+        let mut parts = Vec::with_capacity(self.groups.len());
+        for (number, group) in self.groups.iter().enumerate().filter(|(number, _)| marked[*number])
+        {
+            let mut own: [&mut [T]; LANES] = Default::default();
+            let lanes = own.iter_mut().zip(&group.fibers);
+            lanes.for_each(|(own, fiber)| *own = std::mem::take(&mut slices[*fiber]));
+            parts.push((number, group, own));
+        }
+        parts.into_par_iter().for_each(|(number, group, mut own)| {
+            let done = read(number, &group.batch, &mut own[..group.fibers.len()]);
             debug_assert!(done.is_ok(), "there is a place for each");
         });
     }

@@ -70,6 +70,7 @@ pub fn separate(
             start: positions,
             end: positions,
             step: TimeInterval::instant(around.start),
+            sought: None,
         };
         if round == 0 {
             let grows = |fiber: usize| (!free[layout.node_range(fiber).start]).then_some(ROOT);

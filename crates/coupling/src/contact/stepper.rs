@@ -18,7 +18,7 @@ use crate::regrouping::GroupClasses;
 use crate::{CouplingError, FiberGroup, StepReport, TimeInterval};
 use nalgebra::Vector3;
 use rapunzel_contact::{Adaptive, ContactSolver, Polished, Tolerance};
-use rapunzel_rod_dynamic::{Impulses, StaggeredBatch, StepVelocity};
+use rapunzel_rod_dynamic::{Impulses, StaggeredBatch};
 use rapunzel_scene::{Adhesion, ContactMethod, ContactSettings};
 
 /// Most lists of contacts in a substep.
@@ -264,13 +264,12 @@ impl ContactStepper {
         let pushes = || expected.pushes().chain(joints.iter().copied());
         system.push(pushes(), time, dt)?;
         self.set_out(system, part, pushes(), &part.all())?;
-        let points = self.list(system, part, expected)?;
+        let points = self.list(system, part, expected, None)?;
         let points = self.land(system, part, expected, points)?;
-        let (mut case, mean) = self.case(system, part, expected, points)?;
+        let mut case = self.case(system, part, expected, points)?;
         let mut laps = PhaseTimer::start(self.stopwatch);
-        let start = case.certificate(system, &mean);
+        let start = case.certificate(system, part.mean(system, &case));
         laps.lap(&mut self.times.laws);
-        drop(mean);
         let mut effort = self.rough(ForcingTerm::first(self.tolerance(dt).error(&start)));
         let mut worst_touch = None;
         let mut through = false;
@@ -280,9 +279,7 @@ impl ContactStepper {
             let found = self.look_at_end(system, part, case.points())?;
             through = found.through;
             let mut laps = PhaseTimer::start(self.stopwatch);
-            let mean = case.velocities(system, StepVelocity::Mean);
-            part.work = case.work(system, &mean, dt, self.settings.slip);
-            part.work_of_couples = case.work_of_couples(system, &mean);
+            part.note_work(system, &case, self.settings.slip);
             laps.lap(&mut self.times.laws);
             let report = &mut part.report.contact;
             (report.listed, report.active) = (case.points().len(), case.active());
@@ -293,7 +290,7 @@ impl ContactStepper {
                 // About a bend or each other, two that are fast may turn so far that a step drives
                 // them.
                 let (repair, slip) = (self.depth() / dt, self.settings.slip);
-                if through || case.drives(system, &mean, repair, slip) {
+                if through || case.drives(system, part.mean(system, &case), repair, slip) {
                     worst_touch = worst_touch.or_else(|| case.worst(system, time));
                     // No part is so short that fibres may go through each other.
                     if through || !last {
@@ -302,23 +299,25 @@ impl ContactStepper {
                     part.report.contact.miss(worst_touch);
                 }
                 if let Some(bonds) = self.settings.adhesion.and_then(Adhesion::bonds) {
-                    case.tear(system, &mean, bonds.strength, self.settings.slip)?;
+                    case.tear(system, part.mean(system, &case), bonds.strength, slip)?;
                 }
-                part.report.contact.creep = case.note_drifts(system, &mean, dt, self.settings.slip);
+                let creep = case.note_drifts(system, part.mean(system, &case), dt, slip);
+                part.report.contact.creep = creep;
                 if self.settings.rolling_resistance > 0.0 {
                     let step = TimeInterval { start: time, length: dt };
-                    case.lean(system, &mean, step, self.settings.rolling_resistance);
+                    let resistance = self.settings.rolling_resistance;
+                    case.lean(system, part.mean(system, &case), step, resistance);
                 }
                 (self.points, self.room) = case.into_parts();
                 return Ok(());
             }
-            case.set_gaps(system, &mean, dt);
+            case.set_gaps(system, part.mean(system, &case), dt);
             let (bearing, room) = case.into_parts();
             let points = merged(bearing, &found.points, self.shallow(), list < PATIENCE);
             self.room = room;
             let points = self.land(system, part, expected, points)?;
-            case = self.case(system, part, expected, points)?.0;
-            effort = self.rough(ForcingTerm::where_off(found.deepest / self.depth()));
+            case = self.case(system, part, expected, points)?;
+            effort = self.of_next_list(found.deepest);
         }
         let worst_touch = worst_touch.or_else(|| case.worst(system, time));
         if !last || through {
@@ -330,7 +329,7 @@ impl ContactStepper {
     }
 
     /// Lets fibres that flew bear contact points: their groups set out anew with the impulses of
-    /// these, and contact points are listed again, until none flies that has any.
+    /// these, and their contact points are listed again, until none flies that has any.
     fn land(
         &mut self,
         system: &mut CoupledSystem,
@@ -343,8 +342,7 @@ impl ContactStepper {
             let bearing = points.iter().filter(|point| point.impulse != Vector3::zeros());
             let pushes = bearing.map(|point| point.push(point.impulse)).chain(joints);
             self.set_out(system, part, pushes, &others)?;
-            self.points = points;
-            points = self.list(system, part, expected)?;
+            points = self.list_moved(system, part, expected, points, &others)?;
         }
         Ok(points)
     }
