@@ -218,7 +218,7 @@ impl<'a> ImpulseSearch<'a> {
     #[inline(always)]
     fn solve(&mut self, i: usize) -> bool {
         let ContactSite { contact, places, impulse, .. } = &mut self.sites[i];
-        let (local, old) = (&self.locals[i], *impulse);
+        let (local, old) = (&mut self.locals[i], *impulse);
         // The velocity without the contact's own impulse, the exact solution, and what it changes.
         let free = self.delassus.relative_at(contact, *places) - local.response * old;
         let exact = local.solve(contact, &free);

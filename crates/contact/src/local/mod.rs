@@ -6,7 +6,8 @@ mod polygon;
 mod pressed_contact;
 mod smooth;
 
-use pressed_contact::PressedContact;
+use pressed_contact::PressedResponse;
+use smooth::SlidingCurve;
 
 /// Pivots smaller than this, relative to their diagonal element, are rounding.
 const PIVOT_ROUNDING: f64 = 1e-11;
@@ -43,12 +44,15 @@ pub(crate) struct LocalProblem {
     softness: Vector3<f64>,
     /// Factors of the response with compliance and softness; `None` where nothing can move.
     factors: Option<StickFactors>,
+    /// The limit curve as it is slid on, from when that was first asked for.
+    sliding: Option<SlidingCurve>,
 }
 
 impl LocalProblem {
     /// Local problem of a contact with this response, 1/kg, in its frame.
     pub(crate) fn new(contact: &Contact, response: &Matrix3<f64>) -> Self {
-        let mut local = Self { response: *response, softness: Vector3::zeros(), factors: None };
+        let none = Vector3::zeros();
+        let mut local = Self { response: *response, softness: none, factors: None, sliding: None };
         let bare = local.bare(contact);
         let trace = bare.trace();
         if trace > 0.0 {
@@ -67,11 +71,11 @@ impl LocalProblem {
 
     /// Impulse that obeys the law of the contact with the velocity `free`, as [`solve_contact`].
     #[inline(always)]
-    pub(crate) fn solve(&self, contact: &Contact, free: &Vector3<f64>) -> Vector3<f64> {
-        let Self { softness, factors: Some(factors), .. } = self else {
+    pub(crate) fn solve(&mut self, contact: &Contact, free: &Vector3<f64>) -> Vector3<f64> {
+        let bare = self.bare(contact);
+        let Self { softness, factors: Some(factors), sliding, .. } = self else {
             return Vector3::zeros();
         };
-        let bare = self.bare(contact);
         // The cone's tip is at -adhesion: from there the law is the same without adhesion.
         let tip = Vector3::new(contact.adhesion, 0.0, 0.0);
         let free = free - bare * tip;
@@ -92,20 +96,19 @@ impl LocalProblem {
             return sticking - tip;
         }
         // Slip: friction at its limit.
-        slide(contact, &(bare + Matrix3::from_diagonal(softness)), &free) - tip
+        let w = || bare + Matrix3::from_diagonal(softness);
+        let slid = match &contact.friction {
+            LimitCurve::Polygon(curve) => polygon::slide(&w(), &free, curve),
+            friction => {
+                let curve = || SlidingCurve::new(&w(), &friction.semi_axes().unwrap_or_default());
+                let slid = sliding.get_or_insert_with(curve).slide(&free);
+                // A response near singular leaves rounding that the cone need not bear.
+                let friction = friction.project(&slid.yz(), slid.x);
+                Vector3::new(slid.x, friction.x, friction.y)
+            }
+        };
+        slid - tip
     }
-}
-
-/// Impulse of a contact that must slide, N s, from the cone's tip.
-fn slide(contact: &Contact, w: &Matrix3<f64>, free: &Vector3<f64>) -> Vector3<f64> {
-    if let LimitCurve::Polygon(curve) = &contact.friction {
-        return polygon::slide(w, free, curve);
-    }
-    let problem = PressedContact::new(w, free);
-    let slid = smooth::slide(&problem, &contact.friction.semi_axes().unwrap_or_default());
-    // A response near singular leaves rounding that the cone need not bear.
-    let friction = contact.friction.project(&slid.yz(), slid.x);
-    Vector3::new(slid.x, friction.x, friction.y)
 }
 
 /// Additions to the diagonal: `enough` for each element whose pivot is no more than rounding, else
@@ -148,7 +151,7 @@ struct StickFactors {
 impl StickFactors {
     /// Factors of the response `w`, 1/kg.
     fn new(w: &Matrix3<f64>) -> Self {
-        let PressedContact { schur, pull, .. } = PressedContact::new(w, &Vector3::zeros());
+        let PressedResponse { schur, pull, .. } = PressedResponse::new(w);
         let swapped = schur.m11 < schur.m22;
         let (first, second) = if swapped { (schur.m22, schur.m11) } else { (schur.m11, schur.m22) };
         let (between, factor) = (schur.m12, schur.m12 / first);
