@@ -7,7 +7,7 @@ use nalgebra::{Matrix3, Vector3};
 /// Sides of contacts, on the average of what moves, up to which contacts are few.
 const FEW: usize = 4;
 /// Part of the tolerances that contacts are solved to one by one: each leaves as much as it may.
-const PART: f64 = 0.1;
+const PART: f64 = 0.3;
 /// Part of its whole answer to impulses by which a stiff contact answers one along its normal. One
 /// by one a straight fibre that was pressed end on came to rest beside its axis, and bore a tenth
 /// less than Euler's load.

@@ -274,6 +274,11 @@ mod tests {
     /// The contact points of fibres that do not move, by their nodes in lengths of a segment; the
     /// last coordinate in radii.
     fn touches_at_rest(fibers: &[&[[f64; 3]]]) -> Vec<ContactPoint> {
+        sought_at_rest(fibers, None)
+    }
+
+    /// The same of those that are `sought`.
+    fn sought_at_rest(fibers: &[&[[f64; 3]]], sought: Option<&[bool]>) -> Vec<ContactPoint> {
         let layout = Layout::new(fibers.iter().map(|nodes| nodes.len() - 1));
         let at = |&[x, y, z]: &[f64; 3]| Point3::new(x * LENGTH, y * LENGTH, z * RADIUS);
         let nodes: Vec<_> = fibers.concat().iter().map(at).collect();
@@ -281,7 +286,7 @@ mod tests {
         let sections = OrientedSections { shapes: &shapes, directors: &[] };
         let (start, end) = (&nodes[..], &nodes[..]);
         let step = TimeInterval { start: 0.0, length: 1e-3 };
-        let motion = NodeMotion { layout: &layout, sections, start, end, step, sought: None };
+        let motion = NodeMotion { layout: &layout, sections, start, end, step, sought };
         let mut detector = ContactDetector::new(RADIUS, RADIUS, false).expect("lengths");
         let mut points = Vec::new();
         detector.detect(&motion, &[], &HeldPlaces::default(), &mut points).expect("one layout");
@@ -306,6 +311,34 @@ mod tests {
                     prop_assert!(points.iter().any(there), "{node}: {points:?}");
                 }
             }
+        }
+    }
+
+    proptest! {
+        /// Of fibres that are sought the same contact points are found as if all were, and none of
+        /// the others.
+        #[test]
+        fn what_is_sought_is_found_as_among_all(
+            turns in prop::array::uniform4(-1.0..1.0_f64),
+            sought in prop::array::uniform4(any::<bool>()),
+        ) {
+            let line = |k: usize| {
+                let (y, x) = (1.5 * turns[k]).sin_cos();
+                let along = |i: f64| [i * x, i * y, 2.01 * k as f64];
+                [-1.5, -0.5, 0.5, 1.5].map(along)
+            };
+            let lines = [0, 1, 2, 3].map(line);
+            let fibers = lines.each_ref().map(|line| &line[..]);
+            let is_sought = |side: &BodyRef| {
+                matches!(side, BodyRef::Fiber(fiber) if sought[*fiber as usize])
+            };
+            let mut all = touches_at_rest(&fibers);
+            prop_assert!(all.len() >= 3, "crossed in a row: {}", all.len());
+            all.retain(|point| point.sides.iter().any(is_sought));
+            let key = |points: &[ContactPoint]| -> Vec<_> {
+                points.iter().map(|point| (point.rank(), point.gap, point.normal)).collect()
+            };
+            prop_assert_eq!(key(&sought_at_rest(&fibers, Some(&sought))), key(&all));
         }
     }
 

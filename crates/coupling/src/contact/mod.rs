@@ -5,8 +5,9 @@
 //!
 //! 1. the step sets out to where the motion leads, with the impulses of the step before;
 //! 2. contact points are found where that would lead, as well as on the way there (`detection`,
-//!    `tunnelling`). A contact point that has changed sides beside one of its pair that has not is
-//!    none. Fibres that flew and have contact points set out anew, as those that bear (`flight`);
+//!    `object_detector`, `tunnelling`). A contact point that has changed sides beside one of its
+//!    pair that has not is none. Fibres that flew and have contact points set out anew, as those
+//!    that bear (`flight`), and theirs are found again;
 //! 3. the rods are linearised where they are, all impulses are solved for (`problem`) as well as
 //!    that is of use (`forcing_term`), and the rods take the increment that belongs to them. Rods
 //!    that have hardly turned since they were linearised are not again (`substep`);

@@ -131,3 +131,86 @@ impl ObjectDetector {
 fn are_same(before: &[Point3<f64>], now: &[Point3<f64>]) -> bool {
     all_equal(before, now, |place| place.coords.into())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::sections::{OrientedSections, SectionShapes};
+    use super::*;
+    use crate::TimeInterval;
+    use crate::contact_point::ContactKey;
+    use crate::object::{ObjectGeometry, ObjectMotion};
+    use proptest::prelude::*;
+    use rapunzel_collision::field::{HalfSpace, Soup};
+    use rapunzel_fiber::Layout;
+    use std::sync::Arc;
+
+    const RADIUS: f64 = 3.5e-5;
+    const LENGTH: f64 = 3e-3;
+
+    /// A plane at a height, m.
+    fn plane(height: f64) -> CollisionObject {
+        let surface = Soup { vertices: Vec::new(), triangles: Vec::new() };
+        let field =
+            Arc::new(HalfSpace { point: Point3::origin(), normal: nalgebra::Vector3::z_axis() });
+        let geometry = ObjectGeometry { field, edge_capsules: Vec::new(), surface, endless: true };
+        let rests = move |_| Isometry3::translation(0.0, 0.0, height);
+        CollisionObject::new(geometry, ObjectMotion::Kinematic(Box::new(rests)), None, None)
+    }
+
+    /// The ranks and gaps of what a detector finds of three fibres of four segments that move from
+    /// one height to others, in radii.
+    fn found(
+        detector: &mut ObjectDetector,
+        (start, ends): (f64, [f64; 3]),
+        height: f64,
+        in_nozzles: &[usize],
+        margin: f64,
+    ) -> Vec<(ContactKey, f64)> {
+        let layout = Layout::new([4, 4, 4]);
+        let place = |node: usize, z: f64| Point3::new(node as f64 * LENGTH, 0.0, z * RADIUS);
+        let start: Vec<_> = (0..15).map(|i| place(i % 5, start)).collect();
+        let end: Vec<_> = (0..15).map(|i| place(i % 5, ends[i / 5])).collect();
+        let shapes = SectionShapes::round(vec![RADIUS; layout.segments()]);
+        let motion = NodeMotion {
+            layout: &layout,
+            sections: OrientedSections { shapes: &shapes, directors: &[] },
+            start: &start,
+            end: &end,
+            step: TimeInterval { start: 0.0, length: 1e-3 },
+            sought: None,
+        };
+        let objects = [plane(height * RADIUS)];
+        let held = HeldPlaces::default();
+        let points = detector.contact_points(&motion, &objects, &held, in_nozzles, margin * RADIUS);
+        points.iter().map(|point| (point.rank(), point.gap)).collect()
+    }
+
+    proptest! {
+        /// What is remembered of fibres that were clear changes nothing that is found.
+        #[test]
+        fn memory_of_what_is_clear_changes_nothing(
+            motions in prop::collection::vec(
+                (
+                    prop_oneof![3 => Just(9.0), 1 => Just(2.0)],
+                    prop::array::uniform3(prop_oneof![Just(8.0), Just(0.9), 0.9..9.0]),
+                    prop_oneof![3 => Just(0.0), 1 => Just(-7.0)],
+                    prop::array::uniform3(prop_oneof![Just(0), Just(4), 0..4_usize]),
+                    prop_oneof![Just(0.5), Just(1.0)],
+                ),
+                1..12,
+            ),
+            rooted: bool,
+        ) {
+            let rooted = if rooted { vec![[1, 0]] } else { Vec::new() };
+            let mut detector = ObjectDetector::default();
+            detector.root(rooted.clone());
+            for (start, ends, height, in_nozzles, margin) in motions {
+                let mut fresh = ObjectDetector::default();
+                fresh.root(rooted.clone());
+                let expected = found(&mut fresh, (start, ends), height, &in_nozzles, margin);
+                let again = found(&mut detector, (start, ends), height, &in_nozzles, margin);
+                prop_assert_eq!(again, expected);
+            }
+        }
+    }
+}
