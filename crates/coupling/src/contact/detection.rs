@@ -2,11 +2,10 @@
 
 use super::ball_joints::BallJoints;
 use super::fiber_contacts::{fiber_number, fiber_rank, fibers, put_together, same_fibers};
+use super::node_motion::NodeMotion;
 use super::object_detector::ObjectDetector;
 use super::pair_lists::{DETECTION_CHUNK, by_fibers, of_overlapping, sort};
-use super::sections::OrientedSections;
 use super::tunnelling::{bends, goes_on, keep_sides, leads_through};
-use crate::TimeInterval;
 use crate::body_ref::BodyRef;
 use crate::contact_point::{ContactPoint, same_place};
 use crate::held_places::HeldPlaces;
@@ -17,7 +16,6 @@ use rapunzel_collision::{
     Candidates, CapsuleContact, Capsules, CollisionError, Pair, contacts_of_groups,
     squared_distances,
 };
-use rapunzel_fiber::Layout;
 use rayon::prelude::*;
 
 /// How much closer two segments may come before the list of pairs is made anew, in margins.
@@ -48,29 +46,6 @@ pub(crate) struct Overlaps {
     pub(crate) deepest: f64,
     /// Whether the motion leads fibres through each other, whatever the points at its end.
     pub(crate) through: bool,
-}
-
-/// All nodes before and after a step.
-pub(crate) struct NodeMotion<'a> {
-    pub(crate) layout: &'a Layout,
-    pub(crate) sections: OrientedSections<'a>,
-    pub(crate) start: &'a [Point3<f64>],
-    pub(crate) end: &'a [Point3<f64>],
-    pub(crate) step: TimeInterval,
-    /// By fibre, whether its contact points are looked for; all are if there is nothing here.
-    pub(crate) sought: Option<&'a [bool]>,
-}
-
-impl NodeMotion<'_> {
-    /// Radii of the tubes that all segments are seen as, m.
-    pub(super) fn radii(&self) -> &[f64] {
-        &self.sections.shapes.radii
-    }
-
-    /// All segments at its start, or at its end.
-    fn capsules<'a>(&'a self, at: &'a [Point3<f64>]) -> Result<Capsules<'a>, CollisionError> {
-        Capsules::new(self.layout, at, self.radii())
-    }
 }
 
 impl ContactDetector {
@@ -263,10 +238,12 @@ pub(crate) fn gaps(
 
 #[cfg(test)]
 mod tests {
-    use super::super::sections::SectionShapes;
+    use super::super::sections::{OrientedSections, SectionShapes};
     use super::super::tunnelling::LEAN;
     use super::*;
+    use crate::TimeInterval;
     use proptest::prelude::*;
+    use rapunzel_fiber::Layout;
 
     const RADIUS: f64 = 3.5e-5;
     const LENGTH: f64 = 3e-3;

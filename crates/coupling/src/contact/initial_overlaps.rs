@@ -1,6 +1,7 @@
 //! What touches before the first step.
 
-use super::detection::{ContactDetector, NodeMotion};
+use super::detection::ContactDetector;
+use super::node_motion::NodeMotion;
 use super::rooted::rooted;
 use super::sections::{OrientedSections, SectionShapes};
 use super::system::CoupledSystem;

@@ -1,8 +1,9 @@
 //! What may touch where a step leads, and the problem that is made of it.
 
-use super::detection::{NodeMotion, Overlaps};
+use super::detection::Overlaps;
 use super::laws::ContactLaws;
 use super::node_arrays::FiberVelocities;
+use super::node_motion::NodeMotion;
 use super::problem::{ContactLists, ContactProblem};
 use super::stepper::ContactStepper;
 use super::substep::Substep;

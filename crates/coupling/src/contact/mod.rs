@@ -57,6 +57,7 @@ mod leaps;
 mod listing;
 mod newton;
 mod node_arrays;
+mod node_motion;
 mod object_detector;
 mod pair_lists;
 mod problem;

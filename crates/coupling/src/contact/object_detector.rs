@@ -1,7 +1,7 @@
 //! Who touches which object.
 
-use super::detection::NodeMotion;
 use super::fiber_contacts::fiber_number;
+use super::node_motion::NodeMotion;
 use crate::contact_point::ContactPoint;
 use crate::fiber_on_object::MovingFiber;
 use crate::held_places::HeldPlaces;
@@ -69,8 +69,7 @@ impl ObjectDetector {
             objects.iter().map(|object| MovingObject::new(object, motion.step)).collect();
         self.keep_clear(motion, moving.iter().map(|object| object.poses).collect());
         let Self { rooted, known, end, clear, .. } = self;
-        type Known<'a> = (&'a mut Vec<KnownValue>, &'a mut Clearance);
-        let strand = |(fiber, (known, clear)): (usize, Known)| {
+        let strand = |(fiber, (known, clear)): (usize, (&mut Vec<KnownValue>, &mut Clearance))| {
             let mut found = Vec::new();
             let nodes = motion.layout.node_range(fiber);
             if motion.sought.is_some_and(|sought| !sought[fiber]) {

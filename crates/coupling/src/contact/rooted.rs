@@ -1,7 +1,7 @@
 //! Which fibres grow out of which objects.
 
-use super::detection::NodeMotion;
 use super::fiber_contacts::fiber_number;
+use super::node_motion::NodeMotion;
 use crate::object::CollisionObject;
 
 /// Part of the height of a chord's ends on a round object below which a root is too low for it. A

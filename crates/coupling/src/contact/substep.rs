@@ -1,6 +1,6 @@
 use super::contact_work::ContactWork;
-use super::detection::NodeMotion;
 use super::node_arrays::{FiberVelocities, StepEnds};
+use super::node_motion::NodeMotion;
 use super::problem::ContactProblem;
 use super::problem::groups::LAST_TURN;
 use super::sections::{OrientedSections, SectionShapes};
