@@ -11,7 +11,6 @@ use crate::contact_point::{ContactPoint, same_place};
 use crate::held_places::HeldPlaces;
 use crate::merging::{merge, retain_others};
 use crate::object::CollisionObject;
-use nalgebra::Point3;
 use rapunzel_collision::{
     Candidates, CapsuleContact, Capsules, CollisionError, Pair, contacts_of_groups,
     squared_distances,
