@@ -28,6 +28,17 @@ struct NodeByObject {
     squared_way: f64,
 }
 
+/// Contact points of fibres on objects, and the workspace of the search for them.
+#[derive(Default)]
+pub(crate) struct ObjectContacts {
+    pub(crate) points: Vec<ContactPoint>,
+    /// Of the nodes of a block, the squares of their ways too, m^2.
+    nodes: Vec<NodeByObject>,
+    ways: Vec<f64>,
+    /// Of one segment.
+    contacts: Vec<FieldContact>,
+}
+
 /// One fibre before and after a step.
 pub(crate) struct MovingFiber<'a> {
     pub(crate) fiber: u32,
@@ -95,7 +106,7 @@ impl CollisionObject {
         known: &mut [KnownValue],
         motion: &MovingObject,
         margin: f64,
-        found: &mut Vec<ContactPoint>,
+        found: &mut ObjectContacts,
     ) {
         let MovingObject { poses, turns, spin, length: dt } = motion;
         let field = &*self.geometry.field;
@@ -112,7 +123,7 @@ impl CollisionObject {
         // Without regard to what is no number, which `f64::max` takes time for.
         let larger = |a: f64, b: f64| if b > a { b } else { a };
         let largest = |all: &[f64]| all.iter().copied().fold(0.0, larger);
-        let (mut nodes, mut ways, mut contacts) = (Vec::new(), Vec::new(), Vec::new());
+        let ObjectContacts { points, nodes, ways, contacts } = found;
         for first in (strand.first..strand.radii.len()).step_by(BLOCK) {
             let radii = &strand.radii[first..strand.radii.len().min(first + BLOCK)];
             let block = first..first + radii.len() + 1;
@@ -124,7 +135,7 @@ impl CollisionObject {
             let around =
                 strand.end[block.clone()].iter().map(|node| (node - middle).norm_squared());
             let around = around.fold(0.0, larger).sqrt();
-            let reach = slope * (around + largest(&ways).sqrt()) + largest(radii) + margin;
+            let reach = slope * (around + largest(ways).sqrt()) + largest(radii) + margin;
             let (place, there) = (own(middle, 1), &mut known[at_middle]);
             // Roundings of what is known are far less than what is even.
             let is_far = there.least_at(&place, slope) > reach + EVEN * largest(radii);
@@ -132,7 +143,7 @@ impl CollisionObject {
                 continue;
             }
             nodes.clear();
-            nodes.extend(block.zip(&ways).map(|(node, &squared_way)| {
+            nodes.extend(block.zip(&*ways).map(|(node, &squared_way)| {
                 let place = own(&strand.end[node], 1);
                 NodeByObject { place, least: known[node].least_at(&place, slope), squared_way }
             }));
@@ -178,14 +189,14 @@ impl CollisionObject {
                     let known = nearest - radius >= ends[0].min(ends[1]) - EVEN * radius
                         && is_even(&[], ends, &field, &capsule);
                     if !known {
-                        search.contacts(&field, &capsule, &mut contacts);
+                        search.contacts(&field, &capsule, contacts);
                     }
-                    if known || is_even(&contacts, ends, &field, &capsule) {
+                    if known || is_even(contacts, ends, &field, &capsule) {
                         contacts.clear();
                         contacts.extend(at_ends(ends, &field, &capsule, margin));
                     } else {
-                        strand.held.keep(s, &field, &capsule, &mut contacts);
-                        if let [deepest] = contacts[..] {
+                        strand.held.keep(s, &field, &capsule, contacts);
+                        if let &[deepest] = &contacts[..] {
                             contacts.extend(beside(&deepest, &field, &capsule, margin));
                         }
                     }
@@ -200,7 +211,7 @@ impl CollisionObject {
                     };
                     #[expect(clippy::cast_possible_truncation, reason = "counted with 32 bits")]
                     let segment = s as u32;
-                    found.push(ContactPoint {
+                    points.push(ContactPoint {
                         sides: [BodyRef::Fiber(strand.fiber), BodyRef::Object(index)],
                         segments: [segment, 0],
                         fractions: [contact.fraction, 0.0],
@@ -285,10 +296,10 @@ mod tests {
         strand: &MovingFiber,
         known: &mut [KnownValue],
     ) -> Vec<ContactPoint> {
-        let (step, mut found) = (TimeInterval { start: 0.0, length: 1e-3 }, Vec::new());
-        let moving = MovingObject::new(object, step);
+        let moving = MovingObject::new(object, TimeInterval { start: 0.0, length: 1e-3 });
+        let mut found = ObjectContacts::default();
         object.contact_points(0, strand, known, &moving, RADIUS, &mut found);
-        found
+        found.points
     }
 
     fn plane() -> Field {

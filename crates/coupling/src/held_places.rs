@@ -45,7 +45,11 @@ impl HeldPlaces<'_> {
     ) {
         let first = segment as f64;
         let start = self.places.partition_point(|place| place.at < first);
-        let on_segment = self.places[start..].iter().take_while(|place| place.at <= first + 1.0);
+        let end = start + self.places[start..].partition_point(|place| place.at <= first + 1.0);
+        let on_segment = &self.places[start..end];
+        if on_segment.is_empty() {
+            return;
+        }
         let found = contacts.to_vec();
         for place in on_segment {
             let fraction = place.at - first;

@@ -241,6 +241,7 @@ mod tests {
     use super::super::tunnelling::LEAN;
     use super::*;
     use crate::TimeInterval;
+    use nalgebra::Point3;
     use proptest::prelude::*;
     use rapunzel_fiber::Layout;
 

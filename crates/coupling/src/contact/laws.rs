@@ -37,6 +37,17 @@ impl<'a> ContactLaws<'a> {
         self.settings.slip
     }
 
+    /// Whether any law is by the velocities at the start of the part.
+    pub(super) fn look_back(&self) -> bool {
+        let rests = |friction: &FrictionLaw| matches!(friction, FrictionLaw::Resting { .. });
+        let own = |object: &CollisionObject| {
+            object.friction.as_ref().is_some_and(rests)
+                || object.restitution.is_some_and(|restitution| restitution > 0.0)
+        };
+        let ContactSettings { restitution, friction, .. } = self.settings;
+        *restitution > 0.0 || rests(friction) || self.objects.iter().any(own)
+    }
+
     /// By how much more slowly two that touch come together for an impulse between them, 1/kg.
     pub(super) fn compliance(&self) -> f64 {
         self.settings.compliance / (self.dt * self.dt)

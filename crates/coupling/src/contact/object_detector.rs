@@ -3,7 +3,7 @@
 use super::fiber_contacts::fiber_number;
 use super::node_motion::NodeMotion;
 use crate::contact_point::ContactPoint;
-use crate::fiber_on_object::MovingFiber;
+use crate::fiber_on_object::{MovingFiber, ObjectContacts};
 use crate::held_places::HeldPlaces;
 use crate::known_values::{KnownValue, KnownValues};
 use crate::object::{CollisionObject, MovingObject};
@@ -69,17 +69,17 @@ impl ObjectDetector {
             objects.iter().map(|object| MovingObject::new(object, motion.step)).collect();
         self.keep_clear(motion, moving.iter().map(|object| object.poses).collect());
         let Self { rooted, known, end, clear, .. } = self;
-        let strand = |(fiber, (known, clear)): (usize, (&mut Vec<KnownValue>, &mut Clearance))| {
-            let mut found = Vec::new();
+        let search = |fiber: usize,
+                      known: &mut [KnownValue],
+                      clear: &mut Clearance,
+                      found: &mut ObjectContacts| {
             let nodes = motion.layout.node_range(fiber);
-            if motion.sought.is_some_and(|sought| !sought[fiber]) {
-                return found;
-            }
             let hidden = in_nozzles.get(fiber).copied().unwrap_or(0);
             let stays = are_same(&end[nodes.clone()], &motion.end[nodes.clone()]);
             if stays && clear.margin >= margin && clear.first <= hidden {
-                return found;
+                return;
             }
+            let before = found.points.len();
             let all = (0..).zip(objects).zip(&moving).zip(known.chunks_mut(nodes.len()));
             for (((index, object), moving), known) in all {
                 let number = fiber_number(fiber);
@@ -91,16 +91,24 @@ impl ObjectDetector {
                     end: &motion.end[nodes.clone()],
                     radii: &motion.radii()[motion.layout.segment_range(fiber)],
                 };
-                object.contact_points(index, &strand, known, moving, margin, &mut found);
+                object.contact_points(index, &strand, known, moving, margin, found);
             }
-            let is_clear = found.is_empty();
+            let is_clear = found.points.len() == before;
             *clear = if is_clear { Clearance { margin, first: hidden } } else { Clearance::NONE };
-            found
         };
         // Few of many may be near any.
         let known = known.of_fibers(motion.layout, objects.len());
-        let fibers = known.par_iter_mut().zip(clear.par_iter_mut()).enumerate();
-        let found: Vec<_> = fibers.with_max_len(FIBERS).map(strand).collect();
+        let parts = known.par_chunks_mut(FIBERS).zip(clear.par_chunks_mut(FIBERS));
+        let part = |(part, (known, clear)): (usize, (&mut [Vec<KnownValue>], &mut [Clearance]))| {
+            let mut found = ObjectContacts::default();
+            for (fiber, (known, clear)) in (FIBERS * part..).zip(known.iter_mut().zip(clear)) {
+                if motion.sought.is_none_or(|sought| sought[fiber]) {
+                    search(fiber, known, clear, &mut found);
+                }
+            }
+            found.points
+        };
+        let found: Vec<_> = parts.enumerate().map(part).collect();
         let mut found = found.concat();
         self.end.clear();
         self.end.extend_from_slice(motion.end);

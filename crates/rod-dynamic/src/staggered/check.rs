@@ -64,7 +64,7 @@ pub(super) fn check_conditions(rod: &Rod, now: &Instant, time: f64) -> Result<()
     if now.inside != 0.0 {
         check_nozzle(rod, now).or_else(|why| error("nozzle", why))?;
     }
-    let length = rod.fiber.length() - now.inside;
+    let length = || rod.fiber.length() - now.inside;
     let mouth = |end: &End| match end {
         End::Held(pose) => Some((pose * Point3::new(0.0, 0.0, now.inside)).coords),
         _ => position(end),
@@ -78,12 +78,12 @@ pub(super) fn check_conditions(rod: &Rod, now: &Instant, time: f64) -> Result<()
         _ => 0.0,
     };
     match (mouth(&now.root), position(&now.tip)) {
-        (Some(root), Some(tip)) if (root - tip).norm() > length * (1.0 - TAUT) => error(
+        (Some(root), Some(tip)) if (root - tip).norm() > length() * (1.0 - TAUT) => error(
             "tip",
             "as far from the root as the rod is long, or further, which cannot stretch; \
                  pulled straight it cannot move and has any tension: bring the ends closer",
         ),
-        (Some(root), None) if out_of_reach(root) > length * (1.0 - TAUT) => {
+        (Some(root), None) if out_of_reach(root) > length() * (1.0 - TAUT) => {
             error("tip", "held further from the root than the rod is long: bring the ends closer")
         }
         _ => Ok(()),

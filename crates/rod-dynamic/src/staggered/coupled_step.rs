@@ -104,13 +104,9 @@ impl<S: Simd> BatchCoupledStep for SimdBatch<S> {
             return false;
         }
         // What the impulses change by, as far as no end takes it up.
-        self.add_impulses(-1.0);
+        self.take_off_impulses();
         self.set_impulses(fibers, impulses);
-        self.add_impulses(1.0);
-        let some = |sums: &[S::f64s]| {
-            bytemuck::cast_slice::<S::f64s, f64>(sums).iter().any(|sum| *sum != 0.0)
-        };
-        some(&self.chain.room.values) || some(&self.chain.room.turns)
+        self.add_impulses()
     }
 
     fn advance(&mut self, fibers: usize, impulses: Impulses) -> [f64; LANES] {
@@ -136,18 +132,33 @@ impl<S: Simd> BatchCoupledStep for SimdBatch<S> {
 }
 
 impl<S: Simd> SimdBatch<S> {
-    /// Adds `sign` times the impulses and their moments to zeros, if that is negative, or to what
-    /// is in the workspace.
-    fn add_impulses(&mut self, sign: f64) {
+    /// Writes the negative impulses and their moments to the workspace.
+    fn take_off_impulses(&mut self) {
         let room = &mut self.chain.room;
         for (sums, own) in [(&mut room.values, &self.impulses), (&mut room.turns, &self.moments)] {
-            if sign < 0.0 {
-                sums.fill(S::f64s::zeroed());
-            }
             let own = bytemuck::cast_slice::<S::f64s, f64>(own);
             let sums = bytemuck::cast_slice_mut::<S::f64s, f64>(sums);
-            sums.iter_mut().zip(own).for_each(|(sum, own)| *sum += sign * own);
+            sums.iter_mut().zip(own).for_each(|(sum, own)| *sum = -own);
+            sums[own.len()..].fill(0.0);
         }
+    }
+
+    /// Adds the impulses and their moments to what is in the workspace. Returns whether that is
+    /// anything but zeros then.
+    fn add_impulses(&mut self) -> bool {
+        let room = &mut self.chain.room;
+        let mut some = false;
+        for (sums, own) in [(&mut room.values, &self.impulses), (&mut room.turns, &self.moments)] {
+            let own = bytemuck::cast_slice::<S::f64s, f64>(own);
+            let (sums, rest) =
+                bytemuck::cast_slice_mut::<S::f64s, f64>(sums).split_at_mut(own.len());
+            for (sum, own) in sums.iter_mut().zip(own) {
+                *sum += own;
+                some |= *sum != 0.0;
+            }
+            some |= rest.iter().any(|sum| *sum != 0.0);
+        }
+        some
     }
 
     /// Takes the increments of the last linearisation together with those that the change of the

@@ -118,9 +118,10 @@ impl ContactProblem {
             joints.iter().map(|joint| &joint.point).chain(couples.iter().map(|(point, _)| point));
         let touched = TouchedParts::new(system.fibers, points.iter().chain(bound));
         let of = |which| system.fibers.velocities(which, touched.as_ref());
-        let [start, velocities] = [StepVelocity::Start, StepVelocity::Mean].map(of);
-        let (first, mean) =
-            (Velocities::before(system, &start), Velocities::new(system, &velocities));
+        let start = laws.look_back().then(|| of(StepVelocity::Start));
+        let first = start.as_ref().map(|start| Velocities::before(system, start));
+        let velocities = of(StepVelocity::Mean);
+        let mean = Velocities::new(system, &velocities);
         let nodes = mean.nodes();
         let law = |(i, point): (usize, &ContactPoint)| {
             let frame = point.frame();
@@ -128,7 +129,8 @@ impl ContactProblem {
             let drive = frame.tr_mul(&point.drive());
             // At the velocities that led to this gap, the gap is what may still close.
             let gap = point.gap / dt - relative(&mean).x;
-            let first = || relative(&first) - drive;
+            // Where no law looks back nothing asks for it.
+            let first = || first.as_ref().map_or_else(Vector3::zeros, relative) - drive;
             let friction = laws.friction(point, first).unwrap_or_else(|error| {
                 let mut refused = refused.lock().unwrap_or_else(PoisonError::into_inner);
                 if refused.as_ref().is_none_or(|(first, _)| i < *first) {
