@@ -2,7 +2,7 @@
 
 use crate::support::Restraints;
 use crate::{End, Instant, Rod, RodError, RodState, SectionLaws, StepError};
-use nalgebra::{Point3, Vector3};
+use nalgebra::Point3;
 
 /// Slack that a rod held at both ends needs, as a fraction of its length: without it Newton's
 /// matrix is singular.
@@ -64,26 +64,22 @@ pub(super) fn check_conditions(rod: &Rod, now: &Instant, time: f64) -> Result<()
     if now.inside != 0.0 {
         check_nozzle(rod, now).or_else(|why| error("nozzle", why))?;
     }
-    let length = || rod.fiber.length() - now.inside;
+    let length = || (1.0 - TAUT) * (rod.fiber.length() - now.inside);
     let mouth = |end: &End| match end {
         End::Held(pose) => Some((pose * Point3::new(0.0, 0.0, now.inside)).coords),
         _ => position(end),
     };
 
-    // The part of the way from the root to the tip that a support of the tip holds.
-    let out_of_reach = |root: Vector3<f64>| match &now.tip {
-        End::Supported(support) => {
-            (support.held() * (support.pose.translation.vector - root)).norm()
-        }
-        _ => 0.0,
-    };
-    match (mouth(&now.root), position(&now.tip)) {
-        (Some(root), Some(tip)) if (root - tip).norm() > length() * (1.0 - TAUT) => error(
+    match (mouth(&now.root), position(&now.tip), &now.tip) {
+        (Some(root), Some(tip), _) if (root - tip).norm() > length() => error(
             "tip",
             "as far from the root as the rod is long, or further, which cannot stretch; \
                  pulled straight it cannot move and has any tension: bring the ends closer",
         ),
-        (Some(root), None) if out_of_reach(root) > length() * (1.0 - TAUT) => {
+        // The part of the way from the root to the tip that the support holds.
+        (Some(root), None, End::Supported(support))
+            if (support.held() * (support.pose.translation.vector - root)).norm() > length() =>
+        {
             error("tip", "held further from the root than the rod is long: bring the ends closer")
         }
         _ => Ok(()),

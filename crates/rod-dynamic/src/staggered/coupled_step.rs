@@ -85,7 +85,8 @@ impl<S: Simd> BatchCoupledStep for SimdBatch<S> {
                 for lane in 0..S::F64_LANES {
                     let held = pack.held[lane];
                     let held = Held { conservative: alone && held.conservative, ..held };
-                    search[lane] = Search::new(true, held, false);
+                    // Spare lanes have no conditions: nothing is to be raised for them.
+                    search[lane] = Search::new(lane < pack.fibers, held, false);
                 }
                 let (turn, gap) = pack.chain.increments(&mut search);
                 store(&mut pack.chain.kept.gap, 0, gap);

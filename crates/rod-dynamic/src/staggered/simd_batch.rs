@@ -18,6 +18,8 @@ use rapunzel_lanes::{LANES, Lane, V3};
 /// Model and state of up to eight fibres with equally many segments, one per lane.
 pub(super) struct SimdBatch<S: Simd> {
     pub(super) chain: RotationChain<S>,
+    /// Number of lanes that have a fibre of their own; those behind are spare.
+    pub(super) fibers: usize,
     /// Methods of the lanes.
     pub(super) schemes: [Scheme; LANES],
     /// Method of fibres that bear nothing, where they do not all have one method for ever.
@@ -100,6 +102,7 @@ impl<S: Simd> SimdBatch<S> {
         let spins = !scheme.remembers() || flight.is_some();
         let mut pack = Self {
             chain: RotationChain::new(simd, BatchModel::of(rods), spins),
+            fibers: rods.len(),
             schemes: [scheme; LANES],
             flight,
             damping: S::f64s::zeroed(),
