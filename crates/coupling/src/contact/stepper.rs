@@ -210,8 +210,9 @@ impl ContactStepper {
             Ok(()) => {
                 let junctions = &self.detector.joints.junctions;
                 let works = junctions.works(system.fibers, part.work_of_couples, dt);
-                system.accept(time, dt, &works);
+                // Before the step is accepted: those that fly need to know how they speed up.
                 system.take_off(&part.touching);
+                system.accept(time, dt, &works);
                 self.regroup(system, &part.touching)?;
                 cache_impulses(&self.points, &mut known);
             }

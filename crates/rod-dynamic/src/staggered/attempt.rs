@@ -19,6 +19,9 @@ pub(super) trait BatchAttempts {
     fn leave(&mut self);
     /// Lets the batch hold its workspace from call to call, or not any more. Only between calls.
     fn hold_workspace(&mut self, holds: bool);
+    /// Exchanges the storage of the linearisation for that of the borrowed workspace, or back: of
+    /// one that no later call needs nothing is written to what the batch owns.
+    fn exchange_linearization(&mut self);
     /// Stores the present directors as those at the start of a step.
     fn set_out(&mut self, wanted: &[bool; LANES]);
     /// Takes the rotation vectors of the joints from the present rotations: the damping of the
@@ -62,6 +65,14 @@ impl<S: Simd> BatchAttempts for SimdBatch<S> {
         if !holds {
             self.leave();
         }
+    }
+
+    fn exchange_linearization(&mut self) {
+        let RotationChain { room, kept, .. } = &mut self.chain;
+        std::mem::swap(&mut kept.w, &mut room.kept.w);
+        std::mem::swap(&mut kept.factor, &mut room.kept.factor);
+        std::mem::swap(&mut kept.coupling, &mut room.kept.coupling);
+        std::mem::swap(&mut kept.step, &mut room.kept.step);
     }
 
     fn set_out(&mut self, wanted: &[bool; LANES]) {

@@ -26,6 +26,8 @@ pub struct StaggeredBatch {
     pub(super) time: f64,
     /// Size of the step that is under way across calls, s; zero if none is.
     pub(super) predicted: f64,
+    /// Whether the linearisation of the step under way is there for later calls.
+    pub(super) is_linearized: bool,
     /// Method of the fibres, and of those that bear nothing where it is another one.
     pub(super) scheme: Scheme,
     pub(super) flight: Option<Scheme>,
@@ -106,6 +108,7 @@ impl StaggeredBatch {
             rods,
             time: 0.0,
             predicted: 0.0,
+            is_linearized: true,
             scheme,
             flight,
             fresh,
@@ -224,15 +227,34 @@ impl StaggeredBatch {
     }
 
     /// Lets a fibre of a [hybrid](Self::hybrid) batch bear impulses from the next step on, or
-    /// nothing; other batches have one method for ever.
+    /// nothing; other batches have one method for ever. Told before the step is accepted after
+    /// which the fibre bears nothing any more, it costs nothing; later, the acceleration of the
+    /// fibre is found anew, as at the start.
     ///
     /// # Panics
     /// If there is no such fibre, as indexing does.
     pub fn set_bearing(&mut self, fiber: usize, bearing: bool) {
-        self.engine.set_bearing(fiber, bearing);
+        self.set_methods(fiber, bearing);
+        if self.predicted == 0.0 {
+            self.take_methods();
+        }
     }
 
-    /// Whether a fibre moves by backward Euler, as one that bears impulses does.
+    /// Sets the method of the next step of a fibre, and of the spare lanes behind the last one,
+    /// which repeat it.
+    fn set_methods(&mut self, fiber: usize, bearing: bool) {
+        let end = if fiber + 1 == self.rods.len() { LANES } else { fiber + 1 };
+        (fiber..end).for_each(|lane| self.engine.set_bearing(lane, bearing));
+    }
+
+    /// Lets fibres move by the methods of the next step.
+    pub(super) fn take_methods(&mut self) {
+        let unknown = self.engine.take_methods();
+        let used = self.fresh.iter_mut().zip(unknown).take(self.rods.len());
+        used.for_each(|(fresh, unknown)| *fresh |= unknown);
+    }
+
+    /// Whether a fibre moves by backward Euler in the next step, as one that bears impulses does.
     ///
     /// # Panics
     /// If there is no such fibre, as indexing does.
@@ -333,7 +355,9 @@ impl StaggeredBatch {
         let (fresh, mut rest) = (numbers[0] > 0.0, &numbers[1..]);
         self.fresh[fiber] = fresh;
         if self.flight.is_some() {
-            self.set_bearing(fiber, rest[0] > 0.0);
+            // What is saved of accelerations is what the fibre goes on with.
+            self.set_methods(fiber, rest[0] > 0.0);
+            self.engine.take_methods();
             rest = &rest[1..];
         }
         self.engine.restore(fiber, rest)

@@ -34,6 +34,7 @@ impl StaggeredBatch {
         reports: &mut [RodStepReport],
     ) -> Result<(), StepError> {
         self.keep_step();
+        self.is_linearized = true;
         self.working(|batch| {
             batch.begin(dt, conditions, reports)?;
             let set = batch.set_impulses(impulses);
@@ -46,7 +47,8 @@ impl StaggeredBatch {
 
     /// Starts a step of `dt` seconds without impulses, and takes the first Newton iteration at
     /// once, which costs less than [`Self::set_out`] and those two calls. Returns the largest
-    /// increment, rad.
+    /// increment, rad. Where no fibre of a [hybrid](Self::hybrid) batch bears anything, the matrix
+    /// of that iteration is not kept: what asks for one linearises anew.
     ///
     /// # Errors
     /// [`StepError`] for conditions that make no sense, and where Newton's equations have no
@@ -62,15 +64,23 @@ impl StaggeredBatch {
     ) -> Result<f64, StepError> {
         self.keep_step();
         let fibers = self.rods.len();
+        let flies = self.flight.is_some() && (0..fibers).all(|fiber| !self.bears(fiber));
         let turns = self.working(|batch| {
             batch.begin(dt, conditions, reports)?;
             batch.engine.hold_workspace(true);
+            if flies {
+                batch.engine.exchange_linearization();
+            }
             batch.engine.look(dt);
             batch.engine.linearize();
             let turns = batch.engine.advance(fibers, Impulses::NONE);
+            if flies {
+                batch.engine.exchange_linearization();
+            }
             batch.engine.hold_workspace(false);
             Ok(turns)
         })?;
+        self.is_linearized = !flies;
         self.predicted = dt;
         let turn = self.largest(&turns);
         if turn.is_err() {
@@ -94,8 +104,17 @@ impl StaggeredBatch {
     /// [`StepError::NotConverged`] if they have no solution.
     pub fn linearize(&mut self) -> Result<f64, StepError> {
         self.check_under_way()?;
+        self.is_linearized = true;
         let turns = self.working(|batch| batch.engine.linearize());
         self.largest(&turns)
+    }
+
+    /// Linearises the rods where they are, if no linearisation was kept.
+    fn need_linearization(&mut self) {
+        if !self.is_linearized {
+            self.is_linearized = true;
+            self.working(|batch| batch.engine.linearize());
+        }
     }
 
     /// Replaces the impulses of the step under way. The shape is unchanged: the
@@ -121,6 +140,7 @@ impl StaggeredBatch {
     pub fn advance(&mut self, impulses: Impulses) -> Result<f64, StepError> {
         self.check_impulses(impulses)?;
         self.check_under_way()?;
+        self.need_linearization();
         let fibers = self.rods.len();
         let turns = self.working(|batch| batch.engine.advance(fibers, impulses));
         self.largest(&turns)
@@ -147,6 +167,7 @@ impl StaggeredBatch {
                 batch.commit(&[dt; LANES], &all);
             });
             self.advance_time(dt);
+            self.take_methods();
         }
     }
 
@@ -154,6 +175,7 @@ impl StaggeredBatch {
     pub fn abandon(&mut self) {
         if std::mem::take(&mut self.predicted) > 0.0 {
             self.take_back(self.fresh_before);
+            self.take_methods();
         }
     }
 
@@ -257,6 +279,7 @@ impl StaggeredBatch {
         check("impulses", points.len(), impulses.len())?;
         check("velocities", points.len(), velocities.len())?;
         self.check_points(points)?;
+        self.need_linearization();
         self.working(|batch| batch.engine.respond_at(points, impulses, inertia, velocities));
         Ok(())
     }
@@ -322,6 +345,7 @@ impl ImpulseResponse for StaggeredBatch {
         check("impulses", self.nodes(), impulses.len())?;
         check("velocities", self.nodes(), velocities.len())?;
         self.check_step()?;
+        self.need_linearization();
         let fibers = self.rods.len();
         self.working(|batch| batch.engine.respond(fibers, impulses, velocities));
         Ok(())
@@ -336,6 +360,7 @@ impl ImpulseResponse for StaggeredBatch {
         check("nodes", self.nodes(), nodes.len())?;
         check("segments", self.nodes() - fibers, segments.len())?;
         self.check_step()?;
+        self.need_linearization();
         self.working(|batch| batch.engine.diagonal_blocks(fibers, nodes, segments));
         Ok(())
     }
@@ -360,6 +385,7 @@ impl ImpulseResponse for StaggeredBatch {
 
     fn write_out(&mut self, points: &[Point]) -> Result<Vec<PointResponses>, RodError> {
         self.check_points(points)?;
+        self.need_linearization();
         Ok(self.working(|batch| batch.engine.write_out(points)))
     }
 
@@ -369,6 +395,7 @@ impl ImpulseResponse for StaggeredBatch {
         if !masses.iter().all(|m| *m >= 0.0 && m.is_finite()) {
             return Err(RodError::Invalid { what: "masses", why: "must be finite and >= 0 (kg)" });
         }
+        self.need_linearization();
         self.working(|batch| batch.engine.weigh(points, masses));
         Ok(())
     }

@@ -21,17 +21,22 @@ impl<S: Simd> KinematicHistory<S> {
         Self { v: track(count), a: track(remembered), acceleration: track(remembered) }
     }
 
+    /// Rates of coordinate `i` at the start of a step. Where its methods do not depend on them,
+    /// accelerations are not read: those of many fibres do not stay in the cache.
     #[inline(always)]
-    pub(super) fn rates(&self, chain: &RotationChain<S>, i: usize) -> Rates<S> {
-        Rates {
-            v: chain.vec_or_zero(&self.v, i),
-            a: chain.vec_or_zero(&self.a, i),
-            acceleration: chain.vec_or_zero(&self.acceleration, i),
+    pub(super) fn rates(&self, chain: &RotationChain<S>, stage: &Stage<S>, i: usize) -> Rates<S> {
+        let v = chain.vec_or_zero(&self.v, i);
+        if !stage.remembers {
+            let none = V3::splat(chain.simd, 0.0);
+            return Rates { v, a: none, acceleration: none };
         }
+        let (a, acceleration) = (&self.a, &self.acceleration);
+        Rates { v, a: chain.vec_or_zero(a, i), acceleration: chain.vec_or_zero(acceleration, i) }
     }
 
     /// Commits the displacement `u` of coordinate `i` in the lanes where `done > 0`. At the start
-    /// of a motion only the acceleration is taken.
+    /// of a motion only the acceleration is taken. Accelerations are written if the stage or the
+    /// next step is of methods that depend on them.
     #[inline(always)]
     pub(super) fn commit(
         &mut self,
@@ -39,9 +44,9 @@ impl<S: Simd> KinematicHistory<S> {
         stage: &Stage<S>,
         i: usize,
         u: V3<S>,
-        done: Lane<S>,
+        (done, next_remembers): (Lane<S>, bool),
     ) {
-        let old = self.rates(chain, i);
+        let old = self.rates(chain, stage, i);
         let (du, vc) = stage.predict(old);
         let acceleration = (u - du).scale(stage.c1);
         let new = if stage.problem == StepProblem::Start {
@@ -50,7 +55,7 @@ impl<S: Simd> KinematicHistory<S> {
             stage.finish(old, u.mul_add(stage.cv, vc), acceleration)
         };
         store(&mut self.v, i, done.positive().select(new.v, old.v));
-        if self.a.is_empty() {
+        if self.a.is_empty() || !(stage.remembers || next_remembers) {
             return;
         }
         store(&mut self.a, i, done.positive().select(new.a, old.a));

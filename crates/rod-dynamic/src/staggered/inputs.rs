@@ -12,6 +12,7 @@ use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
 use pulp::Simd;
 use pulp::bytemuck::Zeroable;
 use rapunzel_fiber::so3;
+use rapunzel_lanes::LANES;
 
 const ZERO: Vector3<f64> = Vector3::new(0.0, 0.0, 0.0);
 
@@ -25,11 +26,14 @@ pub(super) trait BatchInputs {
     fn set_state(&mut self, lane: usize, rod: &Rod, state: &RodState);
     /// Replaces the lane's section laws by those of `rod`, which must have as much memory.
     fn set_laws(&mut self, lane: usize, rod: &Rod);
-    /// Whether the method of the lane depends on the accelerations at the start of a step.
+    /// Whether the method of the lane in the next step depends on the accelerations at its start.
     fn remembers(&self, lane: usize) -> bool;
     /// Lets the lane move by backward Euler, or by the method of what bears nothing if the batch
-    /// has one.
+    /// has one, from the next step on.
     fn set_bearing(&mut self, lane: usize, bearing: bool);
+    /// Takes the methods of the next step for those of the present one. Returns the lanes whose
+    /// accelerations these depend on, though the last step did not write them.
+    fn take_methods(&mut self) -> [bool; LANES];
     /// Sets the external force on a node, N, world frame.
     fn set_node_force(&mut self, lane: usize, node: usize, force: &Vector3<f64>);
     /// Sets the spring that holds a node until it is set again: its stiffness, N/m, and the place
@@ -119,13 +123,19 @@ impl<S: Simd> BatchInputs for SimdBatch<S> {
     }
 
     fn remembers(&self, lane: usize) -> bool {
-        self.schemes[lane].remembers()
+        self.next_schemes[lane].remembers()
     }
 
     fn set_bearing(&mut self, lane: usize, bearing: bool) {
         if let Some(flight) = self.flight {
-            self.schemes[lane] = if bearing { Scheme::backward_euler() } else { flight };
+            self.next_schemes[lane] = if bearing { Scheme::backward_euler() } else { flight };
         }
+    }
+
+    fn take_methods(&mut self) -> [bool; LANES] {
+        let before = std::mem::replace(&mut self.schemes, self.next_schemes);
+        let takes_off = |lane: usize| !before[lane].remembers() && self.remembers(lane);
+        std::array::from_fn(|lane| !self.knows_accelerations && takes_off(lane))
     }
 
     fn set_node_force(&mut self, lane: usize, node: usize, force: &Vector3<f64>) {

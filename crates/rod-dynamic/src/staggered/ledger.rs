@@ -172,7 +172,7 @@ impl<S: Simd> SimdBatch<S> {
         let (across, excess) = (Lane::new(simd, self.fields[9]), Lane::new(simd, self.fields[10]));
         let mass = Lane::new(simd, self.chain.model.mass[a]);
         let way = chain.vec(&chain.kept.r, a) - chain.vec(&self.r, a);
-        let rates = self.nodes.rates(chain, a);
+        let rates = self.nodes.rates(chain, stage, a);
         // Inertia and impulses.
         let jump = self.jump(a);
         let motion = self.motion(stage, rates, jump, way);
@@ -239,7 +239,7 @@ impl<S: Simd> SimdBatch<S> {
         }
         for k in 0..2 {
             let inertia = Lane::new(simd, self.chain.model.inertia[2 * e + k]);
-            let rates = self.directors.rates(chain, 2 * e + k);
+            let rates = self.directors.rates(chain, stage, 2 * e + k);
             let motion = self.motion(stage, rates, zero, ways[k]);
             lines.kinetic = inertia.mul_add(motion.gain, lines.kinetic);
             let kept = motion.acceleration.dot(chord(k)) - motion.loss;
@@ -277,7 +277,7 @@ impl<S: Simd> SimdBatch<S> {
         let mut gain = resisted.dot(strain + strain_before) * half;
         // Without damping there are no rates of joints, and none are needed.
         let damping = Lane::new(simd, self.damping);
-        let rates = self.joints.rates(chain, j);
+        let rates = self.joints.rates(chain, stage, j);
         let (_, known) = stage.predict(rates);
         let rate = bend.mul_add(stage.cv, known);
         let lost = -(damping * resisted.dot(rate));

@@ -54,6 +54,8 @@ pub(super) struct Stage<S: Simd> {
     /// 1 where products of velocities are taken at the end of a step, 0 where the first is that at
     /// its start.
     pub(super) late: Lane<S>,
+    /// Whether the method of any lane depends on the accelerations at the start of a step.
+    pub(super) remembers: bool,
     drift: Lane<S>,
     ahead: [Lane<S>; 2],
     gain: Lane<S>,
@@ -127,6 +129,7 @@ impl Scheme {
             dt,
             problem,
             late: of(|s| f64::from(s.remembers())),
+            remembers: schemes.iter().any(Self::remembers),
             drift: dt2 * of(|s| s.drift),
             ahead: [dt2 * of(|s| s.ahead[0]), dt2 * of(|s| s.ahead[1])],
             gain: dt * of(|s| s.gain),

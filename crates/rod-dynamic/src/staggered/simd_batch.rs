@@ -20,8 +20,11 @@ pub(super) struct SimdBatch<S: Simd> {
     pub(super) chain: RotationChain<S>,
     /// Number of lanes that have a fibre of their own; those behind are spare.
     pub(super) fibers: usize,
-    /// Methods of the lanes.
+    /// Methods of the lanes in the step under way, and in the next one.
     pub(super) schemes: [Scheme; LANES],
+    pub(super) next_schemes: [Scheme; LANES],
+    /// Whether the last step wrote accelerations: only where a method depends on them.
+    pub(super) knows_accelerations: bool,
     /// Method of fibres that bear nothing, where they do not all have one method for ever.
     pub(super) flight: Option<Scheme>,
     /// Kelvin-Voigt retardation time of each lane, s.
@@ -104,6 +107,8 @@ impl<S: Simd> SimdBatch<S> {
             chain: RotationChain::new(simd, BatchModel::of(rods), spins),
             fibers: rods.len(),
             schemes: [scheme; LANES],
+            next_schemes: [scheme; LANES],
+            knows_accelerations: true,
             flight,
             damping: S::f64s::zeroed(),
             r: zeros::<S>(3 * (n + 1)),
@@ -182,7 +187,7 @@ impl<S: Simd> SimdBatch<S> {
         let (across, excess) = (Lane::new(simd, self.fields[9]), Lane::new(simd, self.fields[10]));
         // Nodes: mass coefficient mu = m c1 + drag cv, its inverse w, and the known force b.
         for a in 0..=n {
-            let mut rates = self.nodes.rates(&self.chain, a);
+            let mut rates = self.nodes.rates(&self.chain, stage, a);
             let mass = Lane::new(simd, self.chain.model.mass[a]);
             let before = rates.v;
             rates.v += self.jump(a);
@@ -242,7 +247,7 @@ impl<S: Simd> SimdBatch<S> {
         for j in 0..=n {
             let [mut stiffness, mut target] = self.chain.bending(j);
             if self.any_damping {
-                let (_, vc) = stage.predict(self.joints.rates(&self.chain, j));
+                let (_, vc) = stage.predict(self.joints.rates(&self.chain, stage, j));
                 let phi = self.chain.vec(&self.phi, j);
                 let rate = phi.scale(stage.cv) - vc;
                 target = rate.mul_add(damping, target).scale(factor.recip());
@@ -266,7 +271,7 @@ impl<S: Simd> SimdBatch<S> {
     fn prepare_directors(&mut self, stage: &Stage<S>) {
         let simd = self.chain.simd;
         for i in 0..2 * self.chain.n {
-            let (du, _) = stage.predict(self.directors.rates(&self.chain, i));
+            let (du, _) = stage.predict(self.directors.rates(&self.chain, stage, i));
             let (e, k) = (i / 2, i % 2);
             let d = self.chain.vec(&self.chain.room.d_start, 3 * e + k);
             let inertia = Lane::new(simd, self.chain.model.inertia[i]) * stage.c1;
@@ -326,7 +331,7 @@ impl<S: Simd> SimdBatch<S> {
         let half = Lane::splat(self.chain.simd, 0.5);
         for e in 0..self.chain.n {
             let ahead = |track: &KinematicHistory<S>, i: usize| {
-                stage.predict(track.rates(&self.chain, i)).0
+                stage.predict(track.rates(&self.chain, stage, i)).0
             };
             let rate = self.chain.one(&self.chain.model.h, e).recip();
             let chord = (ahead(&self.nodes, e + 1) - ahead(&self.nodes, e)).scale(rate);
@@ -346,6 +351,9 @@ impl<S: Simd> SimdBatch<S> {
     pub(super) fn take_over(&mut self, stage: &Stage<S>, wanted: &[bool; LANES]) {
         let n = self.chain.n;
         let done = self.flags(wanted);
+        let next_remembers = self.next_schemes.iter().any(Scheme::remembers);
+        self.knows_accelerations = stage.remembers || next_remembers;
+        let how = (done, next_remembers);
         // Nodes: velocity after the impulse, then rates and position at the end of the step.
         for a in 0..=n {
             let new = self.chain.vec(&self.chain.kept.r, a);
@@ -353,7 +361,7 @@ impl<S: Simd> SimdBatch<S> {
             let v = self.chain.vec(&self.nodes.v, a);
             let after = done.positive().select(v + self.jump(a), v);
             store(&mut self.nodes.v, a, after);
-            self.nodes.commit(&self.chain, stage, a, new - old, done);
+            self.nodes.commit(&self.chain, stage, a, new - old, how);
             if stage.problem != StepProblem::Start {
                 store(&mut self.r, a, done.positive().select(new, old));
             }
@@ -367,7 +375,7 @@ impl<S: Simd> SimdBatch<S> {
                 self.chain.vec(&self.chain.room.d, at)
                     - self.chain.vec(&self.chain.room.d_start, at)
             };
-            self.directors.commit(&self.chain, stage, i, u, done);
+            self.directors.commit(&self.chain, stage, i, u, how);
         }
         // Section laws and joints.
         if let Some(laws) = &mut self.chain.laws
@@ -384,7 +392,7 @@ impl<S: Simd> SimdBatch<S> {
             let new = self.chain.vec(&self.chain.room.phi, j);
             let old = self.chain.vec(&self.phi, j);
             if self.any_damping {
-                self.joints.commit(&self.chain, stage, j, new - old, done);
+                self.joints.commit(&self.chain, stage, j, new - old, how);
             }
             if stage.problem != StepProblem::Start {
                 store(&mut self.phi, j, done.positive().select(new, old));

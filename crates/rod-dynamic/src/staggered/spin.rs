@@ -194,8 +194,8 @@ impl<S: Simd> SimdBatch<S> {
         let weight = if rest { stage.c1.lift(0.0) } else { stage.c1.lift(1.0) };
         for e in 0..self.chain.n {
             let (of_axis, of_spin) = (
-                self.directors.rates(&self.chain, 2 * e),
-                self.directors.rates(&self.chain, 2 * e + 1),
+                self.directors.rates(&self.chain, stage, 2 * e),
+                self.directors.rates(&self.chain, stage, 2 * e + 1),
             );
             let (du, vc) = stage.predict(of_axis);
             let (ahead, known) = stage.predict(of_spin);
@@ -221,7 +221,7 @@ impl<S: Simd> SimdBatch<S> {
     /// lengths of the segment, and by its predicted spin, in lanes that are `wanted`.
     #[inline(always)]
     pub(super) fn spin_ahead(&mut self, stage: &Stage<S>, e: usize, chord: V3<S>, wanted: Lane<S>) {
-        let spin = stage.predict(self.directors.rates(&self.chain, 2 * e + 1)).0.0[0];
+        let spin = stage.predict(self.directors.rates(&self.chain, stage, 2 * e + 1)).0.0[0];
         let spin = self.chain.tied(e, spin);
         let swing = self.chain.directors_before(e)[2].cross(chord);
         self.chain.turn(e, swing, wanted);
@@ -266,7 +266,7 @@ impl<S: Simd> SimdBatch<S> {
         let [before, d] = [self.chain.directors_before(e), self.chain.directors(e)];
         let zero = V3::splat(self.chain.simd, 0.0);
         let [axis, spin] = self.spin_ways(e);
-        let rates = |k: usize| self.directors.rates(&self.chain, 2 * e + k);
+        let rates = |k: usize| self.directors.rates(&self.chain, stage, 2 * e + k);
         let rates = [rates(0), rates(1)];
         let of_axis = self.motion(stage, rates[0], zero, axis);
         let of_spin = self.motion(stage, rates[1], zero, spin);

@@ -49,7 +49,7 @@ impl StaggeredBatch {
         let nodes = self.rods()[0].fiber.segments() + 1;
         self.check_slices("velocities", nodes, velocities)?;
         check_some("nodes", nodes, some)?;
-        self.engine.velocities(which, self.predicted, some, velocities);
+        self.engine.velocities(self.known(which), self.predicted, some, velocities);
         Ok(())
     }
 
@@ -69,8 +69,18 @@ impl StaggeredBatch {
         let segments = self.rods()[0].fiber.segments();
         self.check_slices("spins", segments, spins)?;
         check_some("segments", segments, some)?;
-        self.engine.spins(which, self.predicted, some, spins);
+        self.engine.spins(self.known(which), self.predicted, some, spins);
         Ok(())
+    }
+
+    /// The velocities that are meant: all increments of a linearisation that is not kept have been
+    /// taken.
+    fn known(&self, which: StepVelocity) -> StepVelocity {
+        if which == StepVelocity::Linear && !self.is_linearized {
+            StepVelocity::Mean
+        } else {
+            which
+        }
     }
 
     fn check_slices<T>(
