@@ -18,8 +18,8 @@ const OVERLAP: f64 = 0.2;
 /// All contact points of a world, with the sections of all its segments. Fibres whose held roots
 /// are deeper than `depth`, m, in a kinematic object grow out of it from now on, and so do those of
 /// a groom whose roots are on one. A world is refused where things are so deep in each other that
-/// no step would part them: ends that are held may be no deeper than `depth`, m, and all else by a
-/// part of the smallest `radius`.
+/// no step would part them: ends that are held may be no deeper than `depth`, m, what a step may
+/// leave of a gap that closes, and all else by a part of the smallest `radius`.
 pub(super) fn contact_points(
     system: &CoupledSystem,
     detector: &mut ContactDetector,

@@ -113,13 +113,13 @@ impl ContactStepper {
             },
             stopwatch: None,
         };
-        let depth = stepper.depth();
+        let held = stepper.shallow();
         let points = initial_overlaps::contact_points(
             system,
             &mut stepper.detector,
             &stepper.shapes,
             radius,
-            depth,
+            held,
         )?;
         if let Some(bonds) = bonds {
             stepper.bonds = bonds_within(&points, bonds.range);

@@ -265,6 +265,28 @@ fn a_clamped_root_that_is_pressed_is_told() {
     assert!(nodes(&run).all(|p| p.iter().all(|x| x.is_finite())));
 }
 
+/// Whether a held root touches a ledge below a wall or grows out of it, however deep it is there,
+/// it takes whole steps: no shorter one would part the two.
+#[test]
+fn a_held_root_at_any_depth_takes_whole_steps() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let ledge = "v -20 -20 -20\nv 20 -20 -20\nv 20 -20 0\nv 0 -20 0\nv 0 -20 20\nv -20 -20 20\n\
+        v -20 20 -20\nv 20 20 -20\nv 20 20 0\nv 0 20 0\nv 0 20 20\nv -20 20 20\n\
+        f 1 2 3 4\nf 1 4 5 6\nf 10 9 8 7\nf 12 11 10 7\nf 1 7 8 2\nf 2 8 9 3\nf 3 9 10 4\n\
+        f 4 10 11 5\nf 5 11 12 6\nf 6 12 7 1\n";
+    std::fs::write(folder.path().join("ledge.obj"), ledge).expect("writable");
+    let object = "(shape: Mesh(file: \"ledge.obj\", spacing: 0.0005, scale: 0.001))";
+    for depth in [0.0, 0.3, 0.49, 0.51, 0.7, 0.99, 1.01, 1.5, 10.0] {
+        let height = 3.5e-5 - depth * 0.02 * 7e-5;
+        let standing = hair(&format!(
+            "root: (position: (1e-3, 0, {height:e}), orientation: Along(direction: (0, 1, 2)))"
+        ));
+        let scene = read(&[standing], object, "Isotropic(0.3)", 0.0, 1e-3);
+        let report = Run::new(&scene.seen_from(folder.path())).step();
+        assert_eq!((report.halvings, report.contact.unresolved), (0, 0), "{depth}: {report:?}");
+    }
+}
+
 #[test]
 fn objects_that_make_no_sense_are_refused() {
     for (object, path, message) in [
