@@ -2,8 +2,6 @@
 
 use super::batch::StaggeredBatch;
 use super::response::Inertia;
-use super::scheme::StepProblem;
-use super::search::SearchOutcome;
 use crate::{
     Conditions, ImpulseResponse, Impulses, Point, PointAction, PointResponses, RodError,
     RodStepReport, StepError,
@@ -246,28 +244,6 @@ impl StaggeredBatch {
         self.engine.clamps(fiber)
     }
 
-    /// Takes all fibres to equilibrium and to rest there; `dt` is the length of the step (s) whose
-    /// inertia keeps Newton's matrix from being singular. Returns whether any fibre ended at a
-    /// saddle of its energy instead of a minimum.
-    pub(super) fn settle(
-        &mut self,
-        dt: f64,
-        conditions: &[&dyn Conditions],
-        reports: &mut [RodStepReport],
-    ) -> Result<bool, StepError> {
-        self.skip_start();
-        let saddle = self.working(|batch| {
-            batch.begin(dt, conditions, reports)?;
-            let saddle = batch.solve(dt, StepProblem::Rest, reports)?;
-            batch.engine.commit(&[dt; LANES], &[true; LANES], StepProblem::Rest);
-            Ok(saddle)
-        })?;
-        for fiber in 0..self.rods().len() {
-            self.engine.stop(fiber);
-        }
-        Ok(saddle)
-    }
-
     /// Writes the mean velocities of points that impulses on them cause, with the given inertia.
     fn answer(
         &mut self,
@@ -303,32 +279,6 @@ impl StaggeredBatch {
         }
         let why = "each needs a fibre, a segment, a fraction in 0..=1 and a finite arm or lever";
         Err(RodError::Invalid { what: "points", why })
-    }
-
-    /// Solves one problem in all fibres. Returns whether any of them ended at a saddle.
-    fn solve(
-        &mut self,
-        dt: f64,
-        problem: StepProblem,
-        reports: &mut [RodStepReport],
-    ) -> Result<bool, StepError> {
-        let count = self.rods().len();
-        let mut out = [SearchOutcome::NONE; LANES];
-        let mut wanted = [false; LANES];
-        wanted[..count].fill(true);
-        self.engine.attempt(&[dt; LANES], &wanted, problem, &mut out);
-        for fiber in 0..count {
-            reports[fiber] = out[fiber].report();
-            if !out[fiber].converged {
-                return Err(StepError::NotConverged {
-                    fiber,
-                    time: self.time(),
-                    dt,
-                    residuals: out[fiber].residuals[..out[fiber].iterations].to_vec(),
-                });
-            }
-        }
-        Ok(out[..count].iter().any(|o| o.saddle))
     }
 }
 

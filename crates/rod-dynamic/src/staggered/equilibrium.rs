@@ -1,11 +1,15 @@
 //! Static solver: a step of infinite length.
 
 use super::batch::StaggeredBatch;
+use super::scheme::StepProblem;
+use super::search::SearchOutcome;
 use crate::{
-    End, Instant, Load, Rod, RodError, RodState, RodStepReport, SectionLaws, Steady, StepError,
+    Conditions, End, Instant, Load, Rod, RodError, RodState, RodStepReport, SectionLaws, Steady,
+    StepError,
 };
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 use rapunzel_fiber::so3;
+use rapunzel_lanes::LANES;
 use rapunzel_rod_static::{Chain, Piece, Properties, Target};
 use thiserror::Error;
 
@@ -185,5 +189,50 @@ fn bend(state: &mut RodState, angle: f64) {
     for (e, frame) in state.frames.iter_mut().enumerate() {
         let turn = angle * (e as f64 + 0.5) / count;
         *frame *= so3::exp(&(turn * Vector3::new(0.8, 0.6, 0.0)));
+    }
+}
+
+impl StaggeredBatch {
+    /// Takes all fibres to equilibrium and to rest there; `dt` is the length of the step (s) whose
+    /// inertia keeps Newton's matrix from being singular. Returns whether any fibre ended at a
+    /// saddle of its energy instead of a minimum.
+    fn settle(
+        &mut self,
+        dt: f64,
+        conditions: &[&dyn Conditions],
+        reports: &mut [RodStepReport],
+    ) -> Result<bool, StepError> {
+        self.skip_start();
+        let saddle = self.working(|batch| {
+            batch.begin(dt, conditions, reports)?;
+            let saddle = batch.find_rest(dt, reports)?;
+            batch.engine.commit(&[dt; LANES], &[true; LANES], StepProblem::Rest);
+            Ok(saddle)
+        })?;
+        for fiber in 0..self.rods().len() {
+            self.engine.stop(fiber);
+        }
+        Ok(saddle)
+    }
+
+    /// Solves for the equilibrium of all fibres. Returns whether any of them ended at a saddle.
+    fn find_rest(&mut self, dt: f64, reports: &mut [RodStepReport]) -> Result<bool, StepError> {
+        let count = self.rods().len();
+        let mut out = [SearchOutcome::NONE; LANES];
+        let mut wanted = [false; LANES];
+        wanted[..count].fill(true);
+        self.engine.attempt(&[dt; LANES], &wanted, StepProblem::Rest, &mut out);
+        for fiber in 0..count {
+            reports[fiber] = out[fiber].report();
+            if !out[fiber].converged {
+                return Err(StepError::NotConverged {
+                    fiber,
+                    time: self.time(),
+                    dt,
+                    residuals: out[fiber].residuals[..out[fiber].iterations].to_vec(),
+                });
+            }
+        }
+        Ok(out[..count].iter().any(|o| o.saddle))
     }
 }

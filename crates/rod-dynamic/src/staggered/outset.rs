@@ -1,3 +1,5 @@
+use super::array::Array;
+use super::ends::Ends;
 use pulp::Simd;
 use pulp::bytemuck::Zeroable;
 
@@ -29,4 +31,16 @@ impl<S: Simd> Outset<S> {
             share: zero,
         }
     }
+}
+
+/// State that an attempt at a step changes.
+pub(super) struct Before<S: Simd> {
+    /// Rotations of the segments as quaternions (4 per segment).
+    pub(super) q: Array<S>,
+    /// Forces in the segments, N (3 per segment).
+    pub(super) force: Array<S>,
+    /// Rotation vectors of the joints (3 per joint), if they were measured at the start of a
+    /// motion.
+    pub(super) phi: Array<S>,
+    pub(super) ends: Ends<S>,
 }

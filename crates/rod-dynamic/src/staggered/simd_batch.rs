@@ -7,7 +7,7 @@ use super::factor::WeightedFactor;
 use super::history::KinematicHistory;
 use super::laws::{Laws, Turns};
 use super::model::BatchModel;
-use super::outset::Outset;
+use super::outset::{Before, Outset};
 use super::scheme::{Scheme, Stage, StepProblem};
 use super::workspace::BatchWorkspace;
 use crate::Rod;
@@ -81,18 +81,6 @@ pub(super) struct SimdBatch<S: Simd> {
     pub(super) holds: bool,
     /// State of the ends at the start of the step, for the ledger.
     pub(super) outset: Outset<S>,
-}
-
-/// State that an attempt at a step changes.
-pub(super) struct Before<S: Simd> {
-    /// Rotations of the segments as quaternions (4 per segment).
-    pub(super) q: Array<S>,
-    /// Forces in the segments, N (3 per segment).
-    pub(super) force: Array<S>,
-    /// Rotation vectors of the joints (3 per joint), if they were measured at the start of a
-    /// motion.
-    pub(super) phi: Array<S>,
-    pub(super) ends: Ends<S>,
 }
 
 impl<S: Simd> SimdBatch<S> {

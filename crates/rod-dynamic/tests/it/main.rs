@@ -22,6 +22,7 @@ mod staggered_arms;
 mod staggered_batch;
 mod staggered_clamped;
 mod staggered_conservation;
+mod staggered_flight;
 mod staggered_increments;
 mod staggered_laws;
 mod staggered_ledger;
