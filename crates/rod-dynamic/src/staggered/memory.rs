@@ -50,6 +50,8 @@ impl<S: Simd> BatchMemory for SimdBatch<S> {
             numbers = tail;
         }
         self.set_nozzle(lane, self.inside(lane));
+        // Where it bore, nobody may have needed them.
+        self.knows_accelerations = false;
         self.chain.laws.iter_mut().fold(numbers, |numbers, laws| laws.restore(lane, numbers))
     }
 
