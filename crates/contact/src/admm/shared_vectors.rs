@@ -1,6 +1,5 @@
 //! Vectors that all parts read and each writes some of.
 use nalgebra::Vector3;
-use rayon::prelude::*;
 use std::array::from_fn;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -10,9 +9,12 @@ pub(super) struct SharedVectors(Vec<[AtomicU64; 3]>);
 
 impl SharedVectors {
     /// `count` vectors, all zero, and one more that stands for absent sides and points.
+    ///
+    /// Made by the calling thread alone: within a lazy value a thread that waits for others may be
+    /// given work that needs the same value, and then both wait for ever.
     pub(super) fn zeros(count: usize) -> Self {
         let zero = || from_fn(|_| AtomicU64::new(0.0_f64.to_bits()));
-        Self(rayon::iter::repeat_n((), count + 1).map(|()| zero()).collect())
+        Self(std::iter::repeat_with(zero).take(count + 1).collect())
     }
 
     /// Vector number `i`.

@@ -60,6 +60,36 @@ fn small_changes_cost_little() {
     assert!(3 * warm < cold, "{warm} of {cold}");
 }
 
+/// Many parts on several threads, again and again: every solve ends, with the same bits as on one
+/// thread.
+#[test]
+fn threads_do_not_change_a_bit() {
+    let mut random = Random(33);
+    let (mut bodies, mut contacts) = (Vec::new(), Vec::new());
+    for _ in 0..30 {
+        let before = bodies.iter().map(Body::points).sum::<usize>();
+        let (own, mut between) = heap(&mut random, 0.8);
+        for contact in &mut between {
+            contact.first += before;
+            contact.second = contact.second.map(|second| second + before);
+        }
+        bodies.extend(own);
+        contacts.append(&mut between);
+    }
+    let tolerance = Tolerance { residual: 1e-10, iterations: 6, ..Tolerance::EXACT };
+    let solve = || {
+        let mut impulses = vec![Vector3::zeros(); contacts.len()];
+        resolve(&mut bodies.clone(), &contacts, &mut impulses, &mut Admm::new(tolerance));
+        impulses
+    };
+    let on = |threads, solves| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        pool.install(|| (0..solves).map(|_| solve()).collect::<Vec<_>>())
+    };
+    let alone = &on(1, 1)[0];
+    assert!(on(3, 1000).iter().all(|impulses| impulses == alone));
+}
+
 /// One contact alone: the same as the exact local solution, which knows of no iteration.
 #[test]
 fn one_contact_is_solved_exactly() {
