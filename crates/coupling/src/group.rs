@@ -181,7 +181,7 @@ impl FiberGroup<StaggeredBatch> {
         let during: Vec<_> = self.lanes.iter().map(|lane| lane.during(middle)).collect();
         let lanes: Vec<&dyn Conditions> = during.iter().map(|c| c as &dyn Conditions).collect();
         let mut reports = [rod::RodStepReport::default(); StaggeredBatch::MAX_FIBERS];
-        let done = if impulses == Impulses::NONE {
+        let done = if impulses.is_empty() {
             self.batch.set_out_free(dt, &lanes, &mut reports)
         } else {
             let set = self.batch.set_out(dt, &lanes, impulses, &mut reports);

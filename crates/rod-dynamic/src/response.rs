@@ -1,32 +1,24 @@
 use crate::RodError;
 use nalgebra::{DMatrix, Matrix3, Vector3};
 
-/// Impulses on all fibres of a batch at the start of a step.
+/// Impulses on points of the fibres of a batch at the start of a step, as many as points. Impulses
+/// on the same point add up.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Impulses<'a> {
-    /// Impulses on the nodes, N s, world: one per node, fibre by fibre, or none at all.
-    pub nodes: &'a [Vector3<f64>],
-    /// Moments of impulses beside the axis about it, N m s, world: one per segment, fibre by fibre,
-    /// or none at all.
-    pub segments: &'a [Vector3<f64>],
+    /// Where they act.
+    pub points: &'a [Point],
+    /// The impulses, N s, world.
+    pub impulses: &'a [Vector3<f64>],
 }
 
-impl<'a> Impulses<'a> {
-    /// Impulses on the nodes, N s, world, without moments.
-    #[must_use]
-    pub fn on_nodes(nodes: &'a [Vector3<f64>]) -> Self {
-        Self { nodes, segments: &[] }
-    }
-
+impl Impulses<'_> {
     /// No impulses.
-    pub const NONE: Impulses<'static> = Impulses { nodes: &[], segments: &[] };
+    pub const NONE: Impulses<'static> = Impulses { points: &[], impulses: &[] };
 
-    /// The impulses on one of fibres with so many segments each, of which there are some.
-    pub(crate) fn of_fiber(&self, fiber: usize, segments: usize) -> Self {
-        let nodes = &self.nodes[fiber * (segments + 1)..][..segments + 1];
-        let none = self.segments.is_empty();
-        let own = || &self.segments[fiber * segments..][..segments];
-        Self { nodes, segments: if none { &[] } else { own() } }
+    /// Whether there are none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.points.is_empty()
     }
 }
 

@@ -6,10 +6,10 @@ use crate::array_pool::PooledArray;
 use crate::body_ref::BodyRef;
 use crate::contact_point::ContactImpulse;
 use crate::{FiberGroup, Fibers};
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Matrix3, Point3, Vector3};
 use rapunzel_lanes::LANES;
 use rapunzel_rod_dynamic::{
-    ImpulseResponse, Impulses, RodError, StaggeredBatch, StepError, StepVelocity,
+    Impulses, Point, PointAction, RodError, StaggeredBatch, StepError, StepVelocity,
 };
 use rayon::prelude::*;
 use std::ops::Range;
@@ -32,14 +32,20 @@ pub(super) struct StepEnds {
     pub(super) moved: Vec<bool>,
 }
 
-/// Impulses on all fibres, group by group and fibre by fibre.
+/// Impulses on points of all fibres, group by group.
 struct FiberImpulses {
-    /// Impulses on the nodes, N s, world.
-    nodes: PooledArray<Vector3<f64>>,
-    /// Moments of impulses on the segments about their axes, N m s, world.
-    segments: PooledArray<Vector3<f64>>,
-    /// By group, whether there are any on it; if not, the numbers above are of another time.
-    pushed: Vec<bool>,
+    points: Vec<Point>,
+    /// Impulses on these, N s, world.
+    impulses: Vec<Vector3<f64>>,
+    /// By group, where its own begin; behind these, how many there are.
+    begins: Vec<usize>,
+}
+
+impl FiberImpulses {
+    fn of_group(&self, group: usize) -> Impulses<'_> {
+        let own = self.begins[group]..self.begins[group + 1];
+        Impulses { points: &self.points[own.clone()], impulses: &self.impulses[own] }
+    }
 }
 
 impl Fibers<StaggeredBatch> {
@@ -188,44 +194,44 @@ impl Fibers<StaggeredBatch> {
     }
 
     /// What touches push on all fibres.
-    fn impulses(&self, pushes: impl Iterator<Item = ContactImpulse>) -> FiberImpulses {
-        let layout = self.assembly().layout();
-        // Where each fibre begins, and each group.
-        let mut starts = vec![(0, 0); layout.fibers()];
-        let mut begins = Vec::with_capacity(self.groups.len() + 1);
-        let (mut node, mut segment) = (0, 0);
-        for group in &self.groups {
-            begins.push((node, segment));
-            for &fiber in &group.fibers {
-                starts[fiber] = (node, segment);
-                node += layout.node_range(fiber).len();
-                segment += layout.segment_range(fiber).len();
-            }
+    fn impulses(&self, pushes: impl Iterator<Item = ContactImpulse> + Clone) -> FiberImpulses {
+        let of_fibers = || pushes.clone().flat_map(|push| self.on_fibers(push));
+        let mut begins = vec![0; self.groups.len() + 1];
+        of_fibers().for_each(|(group, ..)| begins[group + 1] += 1);
+        for group in 0..self.groups.len() {
+            begins[group + 1] += begins[group];
         }
-        begins.push((node, segment));
-        let mut nodes = self.vectors.take(node, Vector3::zeros());
-        let mut segments = self.vectors.take(segment, Vector3::zeros());
-        let mut pushed = vec![false; self.groups.len()];
-        for push in pushes {
-            for (side, impulse) in [push.impulse, -push.impulse].into_iter().enumerate() {
-                let BodyRef::Fiber(fiber) = push.sides[side] else { continue };
-                let group = self.lane(fiber as usize).0;
-                if !std::mem::replace(&mut pushed[group], true) {
-                    nodes[begins[group].0..begins[group + 1].0].fill(Vector3::zeros());
-                    segments[begins[group].1..begins[group + 1].1].fill(Vector3::zeros());
-                }
-                let ((node, first), segment) =
-                    (starts[fiber as usize], push.segments[side] as usize);
-                if push.couple {
-                    segments[first + segment] += impulse;
-                    continue;
-                }
-                nodes[node + segment] += impulse * (1.0 - push.fractions[side]);
-                nodes[node + segment + 1] += impulse * push.fractions[side];
-                segments[first + segment] += push.levers[side].cross(&impulse);
-            }
+        let count = begins[self.groups.len()];
+        let mut points = vec![Point::on_axis(0, 0, 0.0); count];
+        let mut impulses = vec![Vector3::zeros(); count];
+        let mut next = begins.clone();
+        for (group, point, impulse) in of_fibers() {
+            (points[next[group]], impulses[next[group]]) = (point, impulse);
+            next[group] += 1;
         }
-        FiberImpulses { nodes, segments, pushed }
+        FiberImpulses { points, impulses, begins }
+    }
+
+    /// What a touch pushes of each of its fibres: the group, the point, and the impulse, N s.
+    fn on_fibers(
+        &self,
+        push: ContactImpulse,
+    ) -> impl Iterator<Item = (usize, Point, Vector3<f64>)> {
+        [push.impulse, -push.impulse].into_iter().enumerate().filter_map(move |(side, impulse)| {
+            let BodyRef::Fiber(fiber) = push.sides[side] else { return None };
+            let (group, lane) = self.lane(fiber as usize);
+            let action = if push.couple {
+                PointAction::Couple { lever: Matrix3::identity() }
+            } else {
+                PointAction::Force { fraction: push.fractions[side], arm: push.levers[side] }
+            };
+            #[expect(clippy::cast_possible_truncation, reason = "there are eight lanes")]
+            Some((
+                group,
+                Point { fiber: lane as u32, segment: push.segments[side], action },
+                impulse,
+            ))
+        })
     }
 
     /// Lets every group do something, in parallel, but those that are `still`, of which the default
@@ -244,23 +250,11 @@ impl Fibers<StaggeredBatch> {
     pub(super) fn with_impulses<T: Default + Send>(
         &mut self,
         still: &[bool],
-        pushes: impl Iterator<Item = ContactImpulse>,
+        pushes: impl Iterator<Item = ContactImpulse> + Clone,
         act: impl Fn(&mut FiberGroup<StaggeredBatch>, Impulses) -> Result<T, StepError> + Sync + Send,
     ) -> Result<Vec<T>, StepError> {
         let all = self.impulses(pushes);
-        let (mut nodes, mut segments) = (&all.nodes[..], &all.segments[..]);
-        let parts: Vec<Impulses> = self
-            .groups
-            .iter()
-            .zip(&all.pushed)
-            .map(|(group, pushed)| {
-                let count = group.batch.nodes();
-                let (own, behind) = nodes.split_at(count);
-                let (turns, others) = segments.split_at(count - group.fibers.len());
-                (nodes, segments) = (behind, others);
-                if *pushed { Impulses { nodes: own, segments: turns } } else { Impulses::NONE }
-            })
-            .collect();
+        let parts = (0..self.groups.len()).map(|group| all.of_group(group)).collect();
         self.in_parallel(still, parts, act)
     }
 

@@ -354,7 +354,7 @@ impl ContactStepper {
         &mut self,
         system: &mut CoupledSystem,
         part: &mut Substep,
-        pushes: impl Iterator<Item = ContactImpulse>,
+        pushes: impl Iterator<Item = ContactImpulse> + Clone,
         others: &[bool],
     ) -> Result<(), SubstepFailure> {
         let mut laps = PhaseTimer::start(self.stopwatch);

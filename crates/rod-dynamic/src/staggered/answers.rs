@@ -202,13 +202,13 @@ impl<S: Simd> BatchResponse for SimdBatch<S> {
 
 /// Index range, in an array of vectors, from the first number of the node before a point to the
 /// last number of the node behind it.
-fn both_nodes<S: Simd>(point: &Point) -> RangeInclusive<usize> {
+pub(super) fn both_nodes<S: Simd>(point: &Point) -> RangeInclusive<usize> {
     let first = 3 * S::F64_LANES * point.segment as usize + point.fiber as usize;
     first..=first + 5 * S::F64_LANES
 }
 
 /// Index range, in an array of vectors, of all numbers of the segment of a point.
-fn segment<S: Simd>(point: &Point) -> RangeInclusive<usize> {
+pub(super) fn segment<S: Simd>(point: &Point) -> RangeInclusive<usize> {
     let first = 3 * S::F64_LANES * point.segment as usize + point.fiber as usize;
     first..=first + 2 * S::F64_LANES
 }

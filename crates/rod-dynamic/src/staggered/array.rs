@@ -1,7 +1,6 @@
 //! Arrays of registers.
 
 use aligned_vec::{AVec, ConstAlign, avec};
-use nalgebra::Vector3;
 use pulp::Simd;
 use pulp::bytemuck::{self, Pod, Zeroable};
 use rapunzel_lanes::{Lane, Quat, V3};
@@ -38,18 +37,6 @@ pub(super) fn at<T: Pod>(a: &[T], i: usize, lane: usize) -> f64 {
 pub(super) fn lanes<T: Pod>(a: &mut [T]) -> impl Iterator<Item = &mut [f64]> {
     let lanes = size_of::<T>() / size_of::<f64>();
     bytemuck::cast_slice_mut::<T, f64>(a).chunks_exact_mut(3 * lanes)
-}
-
-/// Writes vectors of one lane, from the first on.
-pub(super) fn put<'a, T: Pod>(
-    a: &mut [T],
-    lane: usize,
-    vectors: impl IntoIterator<Item = &'a Vector3<f64>>,
-) {
-    let width = size_of::<T>() / size_of::<f64>();
-    for (to, from) in lanes(a).zip(vectors) {
-        (0..3).for_each(|i| to[i * width + lane] = from[i]);
-    }
 }
 
 /// Writes vector number `i`.

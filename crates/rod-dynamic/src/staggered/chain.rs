@@ -184,6 +184,11 @@ impl<S: Simd> RotationChain<S> {
         (potential, gap)
     }
 
+    /// Whether positions follow from rotations alone: only where all roots are held.
+    pub(super) fn lies_from_root(&self) -> bool {
+        !self.ends.any_root_free && self.supports.is_none()
+    }
+
     /// Rebuilds directors and positions of fibres with held roots from the rotations.
     #[inline(always)]
     pub(super) fn place(&mut self) {

@@ -10,6 +10,8 @@ use nalgebra::{Matrix3, Vector3};
 use rapunzel_lanes::{LANES, all_finite};
 
 const NOT_UNDER_WAY: &str = "none is under way: set out on one";
+const UNSOUND_POINT: &str =
+    "each needs a fibre, a segment, a fraction in 0..=1 and a finite arm or lever";
 
 impl StaggeredBatch {
     /// Starts a step of `dt` seconds with `impulses` at its start, at the predicted shape, without
@@ -19,8 +21,8 @@ impl StaggeredBatch {
     ///
     /// # Errors
     /// [`StepError`] for conditions and impulses that make no sense: [`StepError::Conditions`] for
-    /// impulses that are neither none nor one a node, moments that are neither none nor one a
-    /// segment, or what is not finite. The fibres are then as before.
+    /// points that are on no fibre, other than one impulse a point, or what is not finite. The
+    /// fibres are then as before.
     ///
     /// # Panics
     /// If there are fewer conditions or reports than fibres.
@@ -71,7 +73,7 @@ impl StaggeredBatch {
             }
             batch.engine.look(dt);
             batch.engine.linearize();
-            let turns = batch.engine.advance(fibers, Impulses::NONE);
+            let turns = batch.engine.advance(Impulses::NONE);
             if flies {
                 batch.engine.exchange_linearization();
             }
@@ -123,8 +125,7 @@ impl StaggeredBatch {
     pub fn press(&mut self, impulses: Impulses) -> Result<bool, StepError> {
         self.check_under_way()?;
         self.check_impulses(impulses)?;
-        let fibers = self.rods.len();
-        Ok(self.working(|batch| batch.engine.press(fibers, impulses)))
+        Ok(self.working(|batch| batch.engine.press(impulses)))
     }
 
     /// Takes the increments of the last linearisation, with these impulses in place of those
@@ -139,8 +140,7 @@ impl StaggeredBatch {
         self.check_impulses(impulses)?;
         self.check_under_way()?;
         self.need_linearization();
-        let fibers = self.rods.len();
-        let turns = self.working(|batch| batch.engine.advance(fibers, impulses));
+        let turns = self.working(|batch| batch.engine.advance(impulses));
         self.largest(&turns)
     }
 
@@ -207,31 +207,28 @@ impl StaggeredBatch {
         }
     }
 
-    fn check_impulses(&self, impulses: Impulses) -> Result<(), StepError> {
-        let (time, fibers) = (self.time(), self.rods().len());
-        let segments = self.nodes() / fibers - 1;
-        let error = |fiber, why| Err(StepError::Conditions { fiber, what: "impulses", time, why });
-        let parts = [
-            (impulses.nodes, segments + 1, "there must be one for each node of each fibre or none"),
-            (impulses.segments, segments, "there must be a moment for each segment or none"),
-        ];
-        for (vectors, each, count) in parts {
-            if vectors.len() != fibers * each && !vectors.is_empty() {
-                return error((vectors.len() / each).min(fibers - 1), count);
-            }
-            // The search for the culprit only where there is one.
-            if !all_finite(vectors, |&p| p.into()) {
-                let finite = |p: &Vector3<f64>| p.iter().all(|x| x.is_finite());
-                let culprit = vectors.iter().position(|p| !finite(p)).unwrap_or_default();
-                return error(culprit / each, "must be finite (N s, N m s)");
-            }
+    fn check_impulses(&self, all: Impulses) -> Result<(), StepError> {
+        let Impulses { points, impulses } = all;
+        let (what, time) = ("impulses", self.time());
+        let error = |fiber, why| Err(StepError::Conditions { fiber, what, time, why });
+        if points.len() != impulses.len() {
+            return error(0, "there must be one for each point");
+        }
+        if !self.are_sound(points) {
+            return error(0, UNSOUND_POINT);
+        }
+        // The search for the culprit only where there is one.
+        if !all_finite(impulses, |&p| p.into()) {
+            let finite = |p: &Vector3<f64>| p.iter().all(|x| x.is_finite());
+            let culprit = impulses.iter().position(|p| !finite(p)).unwrap_or_default();
+            return error(points[culprit].fiber as usize, "must be finite (N s)");
         }
         Ok(())
     }
 
     fn set_impulses(&mut self, impulses: Impulses) -> Result<(), StepError> {
         self.check_impulses(impulses)?;
-        self.engine.set_impulses(self.rods.len(), impulses);
+        self.engine.set_impulses(impulses);
         Ok(())
     }
 
@@ -262,6 +259,12 @@ impl StaggeredBatch {
 
     fn check_points(&self, points: &[Point]) -> Result<(), RodError> {
         self.check_step()?;
+        let sound = self.are_sound(points);
+        sound.then_some(()).ok_or(RodError::Invalid { what: "points", why: UNSOUND_POINT })
+    }
+
+    /// Whether all points are on fibres of the batch.
+    fn are_sound(&self, points: &[Point]) -> bool {
         let (fibers, segments) = (self.rods().len(), self.rods()[0].fiber.segments());
         // No early exit, so that the loop can be vectorised.
         let (mut fiber, mut segment, mut sound) = (0, 0, true);
@@ -274,11 +277,7 @@ impl StaggeredBatch {
                 PointAction::Couple { lever } => lever.sum().is_finite(),
             };
         }
-        if sound && (fiber as usize) < fibers && (segment as usize) < segments {
-            return Ok(());
-        }
-        let why = "each needs a fibre, a segment, a fraction in 0..=1 and a finite arm or lever";
-        Err(RodError::Invalid { what: "points", why })
+        sound && (fiber as usize) < fibers && (segment as usize) < segments
     }
 }
 

@@ -6,13 +6,12 @@
 
 use super::array::{self, get, store};
 use super::ends::Held;
-use super::inputs::BatchInputs;
 use super::joint_geometry::keep_directors;
 use super::scheme::StepProblem;
 use super::search::Search;
 use super::simd_batch::SimdBatch;
 use crate::Impulses;
-use pulp::bytemuck::{self, Zeroable};
+use pulp::bytemuck::Zeroable;
 use pulp::{NullaryFnOnce, Simd};
 use rapunzel_lanes::{LANES, Lane};
 
@@ -29,13 +28,12 @@ pub(super) trait BatchCoupledStep {
     /// Solves Newton's equations at the present shape, without taking the increments. Returns the
     /// largest increment of each lane, rad.
     fn linearize(&mut self) -> [f64; LANES];
-    /// Puts other impulses on `fibers` fibres in place of those before. Returns whether they are
-    /// others; what they change by is in the workspace then.
-    fn press(&mut self, fibers: usize, impulses: Impulses) -> bool;
+    /// Puts other impulses in place of those before. Returns whether they are others; what they
+    /// change by is in the workspace then.
+    fn press(&mut self, impulses: Impulses) -> bool;
     /// Takes the increments of the last linearisation, unless they have been taken, with those that
-    /// other impulses on `fibers` fibres than before cause. Returns the largest increment of each
-    /// lane, rad.
-    fn advance(&mut self, fibers: usize, impulses: Impulses) -> [f64; LANES];
+    /// other impulses than before cause. Returns the largest increment of each lane, rad.
+    fn advance(&mut self, impulses: Impulses) -> [f64; LANES];
     /// Recomputes the shape that the last call of a step has reached, so that it can be committed.
     fn arrive(&mut self);
 }
@@ -53,16 +51,24 @@ impl<S: Simd> BatchCoupledStep for SimdBatch<S> {
             type Output = ();
             #[inline(always)]
             fn call(self) {
-                let stage = self.0.stage(&self.0.last_dt, self.0.problem);
-                if self.0.problem == StepProblem::Step {
-                    self.0.look_ahead(&stage, &[true; LANES]);
+                let pack = self.0;
+                let stage = pack.stage(&pack.last_dt, pack.problem);
+                if pack.problem == StepProblem::Step {
+                    pack.look_ahead(&stage, &[true; LANES]);
                 } else {
-                    self.0.chain.kept.spin.fill(S::f64s::zeroed());
+                    pack.chain.kept.spin.fill(S::f64s::zeroed());
                 }
-                self.0.hold_in_nozzles(&[true; LANES]);
-                self.0.prepare(&stage);
-                self.0.begin_laws();
-                self.0.chain.shape();
+                pack.hold_in_nozzles(&[true; LANES]);
+                // Positions alone may need no equations; who returns the workspace writes them anew.
+                if pack.holds || pack.chain.laws.is_some() || !pack.chain.lies_from_root() {
+                    pack.prepare(&stage);
+                    pack.begin_laws();
+                }
+                if pack.chain.lies_from_root() {
+                    pack.chain.place();
+                } else {
+                    pack.chain.shape();
+                }
             }
         }
         self.last_dt = [dt; LANES];
@@ -100,18 +106,12 @@ impl<S: Simd> BatchCoupledStep for SimdBatch<S> {
         self.chain.simd.vectorize(Linearize(self))
     }
 
-    fn press(&mut self, fibers: usize, impulses: Impulses) -> bool {
-        if !self.bears_impulses && impulses == Impulses::NONE {
-            return false;
-        }
-        // What the impulses change by, as far as no end takes it up.
-        self.take_off_impulses();
-        self.set_impulses(fibers, impulses);
-        self.add_impulses()
+    fn press(&mut self, impulses: Impulses) -> bool {
+        !(self.pressed.is_empty() && impulses.is_empty()) && self.exchange_impulses(impulses)
     }
 
-    fn advance(&mut self, fibers: usize, impulses: Impulses) -> [f64; LANES] {
-        let change = self.press(fibers, impulses);
+    fn advance(&mut self, impulses: Impulses) -> [f64; LANES] {
+        let change = self.press(impulses);
         self.take_with_response(change)
     }
 
@@ -133,35 +133,6 @@ impl<S: Simd> BatchCoupledStep for SimdBatch<S> {
 }
 
 impl<S: Simd> SimdBatch<S> {
-    /// Writes the negative impulses and their moments to the workspace.
-    fn take_off_impulses(&mut self) {
-        let room = &mut self.chain.room;
-        for (sums, own) in [(&mut room.values, &self.impulses), (&mut room.turns, &self.moments)] {
-            let own = bytemuck::cast_slice::<S::f64s, f64>(own);
-            let sums = bytemuck::cast_slice_mut::<S::f64s, f64>(sums);
-            sums.iter_mut().zip(own).for_each(|(sum, own)| *sum = -own);
-            sums[own.len()..].fill(0.0);
-        }
-    }
-
-    /// Adds the impulses and their moments to what is in the workspace. Returns whether that is
-    /// anything but zeros then.
-    fn add_impulses(&mut self) -> bool {
-        let room = &mut self.chain.room;
-        let mut some = false;
-        for (sums, own) in [(&mut room.values, &self.impulses), (&mut room.turns, &self.moments)] {
-            let own = bytemuck::cast_slice::<S::f64s, f64>(own);
-            let (sums, rest) =
-                bytemuck::cast_slice_mut::<S::f64s, f64>(sums).split_at_mut(own.len());
-            for (sum, own) in sums.iter_mut().zip(own) {
-                *sum += own;
-                some |= *sum != 0.0;
-            }
-            some |= rest.iter().any(|sum| *sum != 0.0);
-        }
-        some
-    }
-
     /// Takes the increments of the last linearisation together with those that the change of the
     /// impulses in the workspace causes, if there is a `change`. Returns the largest increment of
     /// each lane, rad.
@@ -181,12 +152,11 @@ impl<S: Simd> SimdBatch<S> {
                     pack.add_solution();
                 }
                 let turns = pack.take_step();
-                // Only where a root is held do positions follow from rotations alone.
-                if pack.chain.ends.any_root_free || pack.chain.supports.is_some() {
+                if pack.chain.lies_from_root() {
+                    pack.chain.place();
+                } else {
                     pack.prepare(&stage);
                     pack.chain.shape();
-                } else {
-                    pack.chain.place();
                 }
                 turns
             }

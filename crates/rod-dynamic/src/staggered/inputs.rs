@@ -1,6 +1,6 @@
 //! Inputs of one lane of a batch: conditions, states, laws, loads.
 
-use super::array::{self, at, put, set};
+use super::array::{self, at, set};
 use super::ends::EndKind;
 use super::scheme::Scheme;
 use super::simd_batch::SimdBatch;
@@ -10,11 +10,8 @@ use crate::support::Restraints;
 use crate::{End, EndSupport, Impulses, Instant, Load, Restraint, Rod, RodState};
 use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
 use pulp::Simd;
-use pulp::bytemuck::Zeroable;
 use rapunzel_fiber::so3;
 use rapunzel_lanes::LANES;
-
-const ZERO: Vector3<f64> = Vector3::new(0.0, 0.0, 0.0);
 
 /// Inputs of a batch, one lane at a time.
 pub(super) trait BatchInputs {
@@ -39,9 +36,9 @@ pub(super) trait BatchInputs {
     /// Sets the spring that holds a node until it is set again: its stiffness, N/m, and the place
     /// that it pulls to, m, world.
     fn set_node_spring(&mut self, lane: usize, node: usize, stiffness: f64, place: &Vector3<f64>);
-    /// Sets the impulses on all lanes that have one of the `fibers`, at the start of the step;
-    /// starting a new step clears them. A support takes up the impulse on the end that it holds.
-    fn set_impulses(&mut self, fibers: usize, impulses: Impulses);
+    /// Puts impulses at the start of the step in place of those before; starting a new step clears
+    /// them. A support takes up the impulse on the end that it holds.
+    fn set_impulses(&mut self, impulses: Impulses);
 }
 
 impl<S: Simd> BatchInputs for SimdBatch<S> {
@@ -156,52 +153,12 @@ impl<S: Simd> BatchInputs for SimdBatch<S> {
         }
     }
 
-    fn set_impulses(&mut self, fibers: usize, impulses: Impulses) {
-        if impulses.nodes.is_empty() {
-            self.clear_impulses();
-        } else {
-            self.bears_impulses = true;
-            for lane in 0..fibers {
-                self.set_lane_impulses(lane, impulses.of_fiber(lane, self.chain.n));
-            }
-        }
+    fn set_impulses(&mut self, impulses: Impulses) {
+        self.put_impulses(impulses);
     }
 }
 
 impl<S: Simd> SimdBatch<S> {
-    /// Takes all impulses off.
-    pub(super) fn clear_impulses(&mut self) {
-        if !std::mem::take(&mut self.bears_impulses) {
-            return;
-        }
-        self.impulses.fill(S::f64s::zeroed());
-        self.moments.clear();
-        self.absorbed = [[S::f64s::zeroed(); 3]; 2];
-    }
-
-    fn set_lane_impulses(&mut self, lane: usize, impulses: Impulses) {
-        let Impulses { nodes, segments } = impulses;
-        if !segments.is_empty() {
-            array::fit::<S>(&mut self.moments, 3 * segments.len());
-        }
-        let none = std::iter::repeat_n(&ZERO, self.moments.len() / 3);
-        put(&mut self.moments, lane, segments.iter().chain(none.skip(segments.len())));
-        put(&mut self.impulses, lane, nodes);
-        // What holds an end takes up an impulse on it, or its part.
-        let (held, last) = (self.held[lane], nodes.len() - 1);
-        for (end, (a, kind)) in [(0, held.root), (last, held.tip)].into_iter().enumerate() {
-            let absorbed = match (kind, &self.chain.supports) {
-                (EndKind::Held, _) => nodes[a],
-                (EndKind::Supported, Some(both)) => both[end].kept(lane, &nodes[a]),
-                _ => ZERO,
-            };
-            for i in 0..3 {
-                set(&mut self.impulses, 3 * a + i, lane, nodes[a][i] - absorbed[i]);
-                set(&mut self.absorbed[end], i, lane, absorbed[i]);
-            }
-        }
-    }
-
     /// Sets the supports of the ends of one lane, and where the frame of a supported end starts: as
     /// it lies on the half segment at that end, but for what is held.
     fn set_supports(&mut self, lane: usize, now: &Instant) {

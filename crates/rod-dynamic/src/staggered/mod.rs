@@ -32,6 +32,7 @@ mod factor;
 mod fed_segments;
 mod history;
 mod impulse_columns;
+mod impulses;
 mod inputs;
 mod joined_step;
 mod joint_geometry;

@@ -5,6 +5,7 @@ use super::chain::RotationChain;
 use super::ends::{Ends, Held};
 use super::factor::WeightedFactor;
 use super::history::KinematicHistory;
+use super::impulses::PressedPlaces;
 use super::laws::{Laws, Turns};
 use super::model::BatchModel;
 use super::outset::{Before, Outset};
@@ -44,8 +45,8 @@ pub(super) struct SimdBatch<S: Simd> {
     /// Moments of impulses on the segments at the start of the step, N m s (3 per segment), empty
     /// without.
     pub(super) moments: Array<S>,
-    /// Whether there may be impulses other than zero.
-    pub(super) bears_impulses: bool,
+    /// Where these may be other than zero.
+    pub(super) pressed: PressedPlaces,
     /// Impulses on the root and the tip that their supports take up, N s.
     pub(super) absorbed: [[S::f64s; 3]; 2],
     /// Additional forces on the nodes, N (3 per node), empty until set.
@@ -109,7 +110,7 @@ impl<S: Simd> SimdBatch<S> {
             ),
             impulses: zeros::<S>(0),
             moments: zeros::<S>(0),
-            bears_impulses: false,
+            pressed: PressedPlaces::default(),
             absorbed: [[S::f64s::zeroed(); 3]; 2],
             node_forces: zeros::<S>(0),
             springs: [zeros::<S>(0), zeros::<S>(0)],

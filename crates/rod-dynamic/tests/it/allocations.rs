@@ -42,9 +42,8 @@ fn warm_steps_do_not_allocate() {
         let mut velocities = vec![Vector3::zeros(); nodes];
         let mut blocks = vec![Matrix3::zeros(); nodes];
         let mut turns = vec![Matrix3::zeros(); nodes - fibers];
-        let moments = vec![Vector3::new(0.0, 1e-15, 0.0); nodes - fibers];
-        let whole = Impulses { nodes: &impulses, segments: &moments };
         let points = [Point::beside_axis(0, 7, 0.3, Vector3::new(0.0, 0.0, 1e-5))];
+        let whole = Impulses { points: &points, impulses: &[Vector3::new(0.0, 1e-9, 0.0)] };
         let count = allocations(|| {
             batch.set_out(1e-3, &conditions, whole, &mut reports).expect("sound");
             batch.linearize().expect("regular");
@@ -76,7 +75,6 @@ fn batches_hold_what_their_motion_needs() {
     let hold = Steady(Instant::clamped(*rod.fiber.root(), GRAVITY));
     let conditions: Vec<&dyn Conditions> = vec![&hold; 8];
     let mut reports = vec![RodStepReport::default(); 8];
-    let none = vec![Vector3::zeros(); 8 * (segments + 1)];
     let mut held = |euler: bool| {
         let mut batch = None;
         let made = allocation_counter::measure(|| {
@@ -93,9 +91,7 @@ fn batches_hold_what_their_motion_needs() {
         });
         let kept = allocation_counter::measure(|| {
             let batch = batch.as_mut().expect("a batch");
-            batch
-                .set_out(1e-3, &conditions, Impulses::on_nodes(&none), &mut reports)
-                .expect("sound");
+            batch.set_out(1e-3, &conditions, Impulses::NONE, &mut reports).expect("sound");
             batch.linearize().expect("regular");
         });
         // Of eight lanes, eight bytes each.

@@ -34,9 +34,7 @@ fn moving(clamped: bool) -> (StaggeredBatch, Vec<f64>, Steady) {
     }
     let mut start = Vec::new();
     batch.save(&mut start);
-    let none = [Vector3::zeros(); NODES];
-    set_out_and_solve(&mut batch, DT, &[&hold as &dyn Conditions], Impulses::on_nodes(&none))
-        .expect("a step");
+    set_out_and_solve(&mut batch, DT, &[&hold as &dyn Conditions], Impulses::NONE).expect("a step");
     (batch, start, hold)
 }
 
@@ -113,17 +111,12 @@ fn the_response_beside_the_axis_is_the_derivative_of_a_step() {
                 let mut ends = [Vec::new(), Vec::new()];
                 for (sign, end) in [1.0, -1.0].into_iter().zip(&mut ends) {
                     let impulse = sign * size * Vector3::ith(axis, 1.0);
-                    let mut nodes = [Vector3::zeros(); NODES];
-                    let mut segments = [Vector3::zeros(); SEGMENTS];
-                    let segment = point.segment as usize;
-                    let shares = point.shares();
-                    nodes[segment] = shares[0] * impulse;
-                    nodes[segment + 1] = shares[1] * impulse;
-                    segments[segment] = point.moment(&impulse);
-                    let all = Impulses { nodes: &nodes, segments: &segments };
+                    let all = Impulses { points: &[*point], impulses: &[impulse] };
                     batch.restore(&start).expect("own numbers");
                     set_out_and_solve(&mut batch, DT, &[&hold as &dyn Conditions], all)
                         .expect("a step");
+                    let mut nodes = [Vector3::zeros(); NODES];
+                    let mut segments = [Vector3::zeros(); SEGMENTS];
                     batch.velocities(StepVelocity::Mean, None, &mut [&mut nodes]).expect("lengths");
                     batch.spins(StepVelocity::Mean, None, &mut [&mut segments]).expect("lengths");
                     end.extend(points().iter().map(|point| {

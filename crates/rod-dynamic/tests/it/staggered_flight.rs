@@ -1,6 +1,6 @@
 //! Fibres that bear impulses in some steps and fly in others.
 
-use crate::common::{GRAVITY, planar_clamp};
+use crate::common::{GRAVITY, node_points, planar_clamp};
 use nalgebra::{Point3, Vector3};
 use rapunzel_fiber::{Fiber, Material, Section};
 use rapunzel_rod_dynamic::{
@@ -128,7 +128,8 @@ fn a_matrix_that_was_not_kept_is_found_anew() {
     assert_eq!(answers[0], answers[1]);
     assert!(answers[0][SEGMENTS].norm() > 0.0);
     for batch in &mut batches {
-        batch.advance(Impulses { nodes: &impulses, segments: &[] }).expect("a solution");
+        let all = Impulses { points: &node_points(3, SEGMENTS), impulses: &impulses };
+        batch.advance(all).expect("a solution");
         batch.accept();
     }
     let [found, asked] = batches.map(|batch| batch.state(1));

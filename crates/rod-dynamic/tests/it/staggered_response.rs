@@ -1,6 +1,6 @@
 //! The response of the staggered rod to impulses: what a contact solver builds on.
 
-use crate::common::{response_matrix, set_out_and_solve};
+use crate::common::{node_points, response_matrix, set_out_and_solve};
 use nalgebra::{
     DMatrix, Isometry3, Matrix3, Point3, SymmetricEigen, Translation3, UnitQuaternion, Vector3,
 };
@@ -46,8 +46,7 @@ pub(crate) fn falling(fibers: usize, dt: f64) -> (StaggeredBatch, Vec<f64>) {
     }
     let mut start = Vec::new();
     batch.save(&mut start);
-    let none = vec![Vector3::zeros(); batch.nodes()];
-    set_out_and_solve(&mut batch, dt, &conditions, Impulses::on_nodes(&none)).expect("a step");
+    set_out_and_solve(&mut batch, dt, &conditions, Impulses::NONE).expect("a step");
     (batch, start)
 }
 
@@ -113,14 +112,14 @@ fn diagonal_blocks_are_those_of_the_columns() {
 fn response_is_the_derivative_of_a_step() {
     for dt in [1.0 / 30.0, 1e-2, 1e-3] {
         let (mut batch, start) = falling(1, dt);
-        let (hold, none) = (hold(), vec![Vector3::zeros(); NODES]);
+        let (hold, nodes) = (hold(), node_points(1, SEGMENTS));
         let push = [(5, Vector3::x()), (20, Vector3::y()), (40, Vector3::new(0.6, 0.0, 0.8))];
         for (node, direction) in push {
             let mut impulses = vec![Vector3::zeros(); NODES];
             impulses[node] = direction;
             let mut linear = vec![Vector3::zeros(); NODES];
             batch.restore(&start).expect("own numbers");
-            set_out_and_solve(&mut batch, dt, &[&hold], Impulses::on_nodes(&none)).expect("a step");
+            set_out_and_solve(&mut batch, dt, &[&hold], Impulses::NONE).expect("a step");
             batch.respond(&impulses, &mut linear).expect("lengths");
             let scale = linear.iter().map(|v| v.norm()).fold(0.0, f64::max);
             // An impulse that changes the most mobile node's velocity by a tenth of a millimetre
@@ -130,8 +129,8 @@ fn response_is_the_derivative_of_a_step() {
             for (sign, moved) in [1.0, -1.0].into_iter().zip(&mut moved) {
                 batch.restore(&start).expect("own numbers");
                 let small: Vec<_> = impulses.iter().map(|p| p * sign * size).collect();
-                set_out_and_solve(&mut batch, dt, &[&hold], Impulses::on_nodes(&small))
-                    .expect("a step");
+                let small = Impulses { points: &nodes, impulses: &small };
+                set_out_and_solve(&mut batch, dt, &[&hold], small).expect("a step");
                 batch.accept();
                 *moved = batch.state(0).positions;
             }
@@ -158,7 +157,7 @@ fn a_step_starts_from_the_state() {
         batch.step(dt, &conditions, &mut reports).expect("a step");
         let states: Vec<_> = (0..3).map(|fiber| batch.state(fiber)).collect();
         let none = vec![Vector3::zeros(); batch.nodes()];
-        batch.set_out(dt, &conditions, Impulses::on_nodes(&none), &mut reports).expect("sound");
+        batch.set_out(dt, &conditions, Impulses::NONE, &mut reports).expect("sound");
         let mut positions = vec![Point3::origin(); batch.nodes()];
         batch.start_positions(&mut positions.chunks_mut(NODES).collect::<Vec<_>>()).expect("all");
         let mut velocities = none;

@@ -1,6 +1,6 @@
 //! Spin of free fibres about their axes in steps by backward Euler: any number of turns in a step.
 
-use crate::common::set_out_and_solve;
+use crate::common::{couples, set_out_and_solve};
 use nalgebra::{Isometry3, Vector3};
 use proptest::prelude::*;
 use rapunzel_fiber::{Fiber, Material, Section};
@@ -147,8 +147,7 @@ proptest! {
         let axis = batch.state(0).frames[0] * Vector3::z();
         let spin = turns / DT;
         let moment = axis * spin * polar_inertia() / SEGMENTS as f64;
-        let (nodes, moments) = ([Vector3::zeros(); SEGMENTS + 1], [moment; SEGMENTS]);
-        let all = Impulses { nodes: &nodes, segments: &moments };
+        let all = Impulses { points: &couples(SEGMENTS), impulses: &[moment; SEGMENTS] };
         set_out_and_solve(&mut batch, DT, &conditions, all).expect("a step");
         let mut mean = [Vector3::zeros(); SEGMENTS];
         batch.spins(StepVelocity::Mean, None, &mut [&mut mean]).expect("lengths");
@@ -174,10 +173,7 @@ fn spin_spreads_along_a_fibre() {
     let conditions: [&dyn Conditions; 1] = [&hold];
     let axis = batch.state(0).frames[0] * Vector3::z();
     let momentum = 20.0 / DT * polar_inertia();
-    let nodes = [Vector3::zeros(); SEGMENTS + 1];
-    let mut moments = [Vector3::zeros(); SEGMENTS];
-    moments[0] = momentum * axis;
-    let all = Impulses { nodes: &nodes, segments: &moments };
+    let all = Impulses { points: &couples(1), impulses: &[momentum * axis] };
     set_out_and_solve(&mut batch, DT, &conditions, all).expect("a step");
     batch.accept();
     let mut reports = [RodStepReport::default()];

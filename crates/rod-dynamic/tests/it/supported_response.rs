@@ -1,6 +1,6 @@
 //! The response to impulses of rods whose ends are held, sprung or free by freedoms.
 
-use crate::common::{response_matrix, set_out_and_solve};
+use crate::common::{node_points, response_matrix, set_out_and_solve};
 use crate::supported_ends::{LENGTH, rod, support, weightless};
 use Restraint::{Free, Held, Sprung};
 use nalgebra::{DMatrix, Matrix3, SymmetricEigen, UnitQuaternion, Vector3};
@@ -30,8 +30,7 @@ fn supported_ends_answer_impulses() {
     }
     let mut start = Vec::new();
     batch.save(&mut start);
-    let none = vec![Vector3::zeros(); NODES];
-    set_out_and_solve(&mut batch, dt, &[&conditions], Impulses::on_nodes(&none)).expect("a step");
+    set_out_and_solve(&mut batch, dt, &[&conditions], Impulses::NONE).expect("a step");
     let points: Vec<Point> =
         (0..12).map(|e| Point::on_axis(0, e, 0.0)).chain([Point::on_axis(0, 11, 1.0)]).collect();
     let matrix = |batch: &mut StaggeredBatch, weighted: bool| -> DMatrix<f64> {
@@ -67,10 +66,11 @@ fn supported_ends_answer_impulses() {
         let size = 1e-4 / w.amax();
         for (sign, moved) in [1.0, -1.0].into_iter().zip(&mut moved) {
             batch.restore(&start).expect("own numbers");
-            let mut impulses = none.clone();
+            let mut impulses = vec![Vector3::zeros(); NODES];
             impulses[node] = sign * size * Vector3::new(0.6, 0.5, -0.4);
-            set_out_and_solve(&mut batch, dt, &[&conditions], Impulses::on_nodes(&impulses))
-                .expect("a step");
+            let nodes = node_points(1, NODES - 1);
+            let all = Impulses { points: &nodes, impulses: &impulses };
+            set_out_and_solve(&mut batch, dt, &[&conditions], all).expect("a step");
             batch.accept();
             *moved = batch.state(0).positions;
         }

@@ -1,7 +1,9 @@
 //! What the integration tests share: reference cases, rods in scaled units.
 use nalgebra::{DMatrix, Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
 use rapunzel_fiber::{Fiber, Material, NodeProperties, Section};
-use rapunzel_rod_dynamic::{Conditions, Impulses, RodStepReport, StaggeredBatch, StepError};
+use rapunzel_rod_dynamic::{
+    Conditions, Impulses, Point, PointAction, RodStepReport, StaggeredBatch, StepError,
+};
 use serde::Deserialize;
 
 /// Checks a method of second order in its mesh by its errors on a mesh and on one twice as fine,
@@ -262,6 +264,25 @@ pub(crate) fn response_matrix(
         }
     }
     matrix
+}
+
+/// The nodes of fibres with so many segments each, fibre by fibre.
+pub(crate) fn node_points(fibers: usize, segments: usize) -> Vec<Point> {
+    let node = |(fiber, node): (usize, usize)| {
+        let segment = node.min(segments - 1);
+        Point::on_axis(number(fiber), number(segment), (node - segment) as f64)
+    };
+    (0..fibers).flat_map(|fiber| (0..=segments).map(move |a| (fiber, a))).map(node).collect()
+}
+
+/// The segments of a fibre, each with a couple.
+pub(crate) fn couples(segments: usize) -> Vec<Point> {
+    let action = PointAction::Couple { lever: Matrix3::identity() };
+    (0..number(segments)).map(|segment| Point { fiber: 0, segment, action }).collect()
+}
+
+fn number(index: usize) -> u32 {
+    u32::try_from(index).expect("few")
 }
 
 /// Sets a batch out on a step with `impulses` at its start and takes Newton's method to its end, as

@@ -4,7 +4,7 @@
 mod closes;
 mod integrator;
 
-use crate::common::{chain, scaled, set_out_and_solve};
+use crate::common::{chain, couples, node_points, scaled, set_out_and_solve};
 use nalgebra::{Isometry3, Vector3};
 use rapunzel_fiber::Fiber;
 use rapunzel_rod_dynamic::{
@@ -83,8 +83,11 @@ impl Books {
         } else {
             // Beside them moments that turn the segments, as far as what they weigh lets them.
             let turned = |pair: &[Vector3<f64>]| self.arm.cross(&(pair[0] + pair[1]));
-            let segments: Vec<_> = impulses.windows(2).map(turned).collect();
-            let all = Impulses { nodes: impulses, segments: &segments };
+            let moments = impulses.windows(2).map(turned);
+            let segments = impulses.len() - 1;
+            let points = [node_points(1, segments), couples(segments)].concat();
+            let both: Vec<_> = impulses.iter().copied().chain(moments).collect();
+            let all = Impulses { points: &points, impulses: &both };
             set_out_and_solve(&mut self.batch, dt, &[conditions], all)?;
             self.batch.accept();
         }
