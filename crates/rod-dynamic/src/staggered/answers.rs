@@ -1,13 +1,13 @@
 //! Impulses and responses of the rods, converted between vectors of nodes or points and SIMD lanes.
 
 use super::array::{at, lanes, set};
+use super::point_places::{both_nodes, segment};
 use super::response::{Inertia, Question};
 use super::simd_batch::SimdBatch;
 use crate::{Point, PointAction, PointResponses};
 use nalgebra::{DMatrix, Matrix3, Vector3};
 use pulp::Simd;
 use pulp::bytemuck::{self, Zeroable};
-use std::ops::RangeInclusive;
 
 /// Mean velocities (m/s, world frame) that impulses (N s) at the start of the step cause, to first
 /// order about the last solve.
@@ -198,17 +198,4 @@ impl<S: Simd> BatchResponse for SimdBatch<S> {
     fn weigh(&mut self, points: &[Point], masses: &[f64]) {
         self.ask(Question::Weigh(points, masses));
     }
-}
-
-/// Index range, in an array of vectors, from the first number of the node before a point to the
-/// last number of the node behind it.
-pub(super) fn both_nodes<S: Simd>(point: &Point) -> RangeInclusive<usize> {
-    let first = 3 * S::F64_LANES * point.segment as usize + point.fiber as usize;
-    first..=first + 5 * S::F64_LANES
-}
-
-/// Index range, in an array of vectors, of all numbers of the segment of a point.
-pub(super) fn segment<S: Simd>(point: &Point) -> RangeInclusive<usize> {
-    let first = 3 * S::F64_LANES * point.segment as usize + point.fiber as usize;
-    first..=first + 2 * S::F64_LANES
 }

@@ -59,7 +59,7 @@ impl<S: Simd> BatchCoupledStep for SimdBatch<S> {
                     pack.chain.kept.spin.fill(S::f64s::zeroed());
                 }
                 pack.hold_in_nozzles(&[true; LANES]);
-                // Positions alone may need no equations; who returns the workspace writes them anew.
+                // Positions alone may need no equations, and what follows writes these anew.
                 if pack.holds || pack.chain.laws.is_some() || !pack.chain.lies_from_root() {
                     pack.prepare(&stage);
                     pack.begin_laws();

@@ -1,39 +1,14 @@
-//! Impulses on points of the fibres of a batch. Few places have any, so only these are gone through.
+//! Impulses on points of the fibres of a batch. Few places have any, so only these are gone
+//! through.
 
-use super::answers::{both_nodes, segment};
 use super::array::{fit, set};
 use super::ends::EndKind;
+use super::point_places::{both_nodes, components, segment};
 use super::simd_batch::SimdBatch;
 use crate::{Impulses, PointAction};
 use nalgebra::Vector3;
 use pulp::Simd;
 use pulp::bytemuck::{self, Zeroable};
-
-/// Places that bear impulses, in order, each by where the first number of its vector is in the
-/// arrays of the batch.
-#[derive(Default)]
-pub(super) struct PressedPlaces {
-    nodes: Vec<usize>,
-    segments: Vec<usize>,
-}
-
-impl PressedPlaces {
-    pub(super) fn is_empty(&self) -> bool {
-        self.nodes.is_empty() && self.segments.is_empty()
-    }
-
-    fn sort(&mut self) {
-        for places in [&mut self.nodes, &mut self.segments] {
-            places.sort_unstable();
-            places.dedup();
-        }
-    }
-}
-
-/// Where the components of a vector are that begins at a place.
-fn components<S: Simd>(place: usize) -> [usize; 3] {
-    [0, 1, 2].map(|i| place + i * S::F64_LANES)
-}
 
 fn numbers<S: Simd>(array: &mut [S::f64s]) -> &mut [f64] {
     bytemuck::cast_slice_mut(array)

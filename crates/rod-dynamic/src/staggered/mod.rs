@@ -48,6 +48,7 @@ mod natural;
 mod newton;
 mod nozzle;
 mod outset;
+mod point_places;
 mod readout;
 mod response;
 mod scheme;
