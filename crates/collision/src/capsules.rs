@@ -56,8 +56,8 @@ impl<'a> Capsules<'a> {
         if !all_finite(positions, |p| p.coords.into()) {
             capsules.check_positions()?;
         }
-        let least = radii.iter().copied().fold(f64::INFINITY, |a, b| if b < a { b } else { a });
-        if !(least > 0.0 && all_finite(radii, |&r| [r])) {
+        // No early exit, so that the loop can be vectorised.
+        if !radii.iter().fold(true, |sound, &r| sound & (r > 0.0) & (r < f64::INFINITY)) {
             return Err(capsules.bad_radius());
         }
         Ok(capsules)

@@ -54,6 +54,8 @@ pub(super) struct Leader<'c, 'scope, P, O, R, A> {
 
 impl<P: Send, O: Send + Sync, R: Default, A: Fn(&O, &mut P, &mut R) + Sync> PhasePool<P, O, R, A> {
     /// A pool that does every phase of all `parts`, in any order and side by side, by `run_part`.
+    /// That must not wait for other threads: while one waits it may be given more of this work, and
+    /// would wait for itself.
     pub(super) fn new(parts: impl Iterator<Item = P>, run_part: A) -> Self {
         let number = || AtomicUsize::new(0);
         Self {

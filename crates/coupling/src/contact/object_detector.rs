@@ -75,8 +75,8 @@ impl ObjectDetector {
                       found: &mut ObjectContacts| {
             let nodes = motion.layout.node_range(fiber);
             let hidden = in_nozzles.get(fiber).copied().unwrap_or(0);
-            let stays = are_same(&end[nodes.clone()], &motion.end[nodes.clone()]);
-            if stays && clear.margin >= margin && clear.first <= hidden {
+            let stays = || are_same(&end[nodes.clone()], &motion.end[nodes.clone()]);
+            if clear.margin >= margin && clear.first <= hidden && stays() {
                 return;
             }
             let before = found.points.len();

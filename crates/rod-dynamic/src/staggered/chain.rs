@@ -42,6 +42,8 @@ pub(super) struct RotationChain<S: Simd> {
     /// Section laws in place of the stiffness and natural rotations in `room`, if any lane has
     /// them.
     pub(super) laws: Option<Box<Laws<S>>>,
+    /// Positions of the nodes at the start of the step, m, world (3 per node).
+    pub(super) start: Array<S>,
     /// Rotations of the segments as unit quaternions (4 per segment).
     pub(super) q: Array<S>,
     /// Whether spins of segments about their axes are coordinates of their own.
@@ -68,6 +70,7 @@ impl<S: Simd> RotationChain<S> {
             supports: None,
             nozzle: None,
             laws: None,
+            start: zeros::<S>(3 * (n + 1)),
             q: zeros::<S>(4 * n),
             spins,
             force: zeros::<S>(3 * n),
@@ -147,8 +150,7 @@ impl<S: Simd> RotationChain<S> {
                         .mul_add(self.one(&self.model.h, a - 1), chord);
                 }
                 let mu = self.one(&self.room.mu, a);
-                sum +=
-                    self.vec(&self.room.b, a) - (chord - self.vec(&self.room.start, a)).scale(mu);
+                sum += self.vec(&self.room.b, a) - (chord - self.vec(&self.start, a)).scale(mu);
                 mass = mass + mu;
             }
             let free = sum.scale(mass.recip());
@@ -225,7 +227,7 @@ impl<S: Simd> RotationChain<S> {
     /// u`.
     #[inline(always)]
     fn node_potential(&self, a: usize) -> (V3<S>, Lane<S>) {
-        let u = self.vec(&self.kept.r, a) - self.vec(&self.room.start, a);
+        let u = self.vec(&self.kept.r, a) - self.vec(&self.start, a);
         let half = u.scale(self.one(&self.room.mu, a) * Lane::splat(self.simd, 0.5));
         (u, (half - self.vec(&self.room.b, a)).dot(u))
     }

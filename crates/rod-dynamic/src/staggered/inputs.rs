@@ -75,7 +75,7 @@ impl<S: Simd> BatchInputs for SimdBatch<S> {
         let mut before: Option<Rotation3<f64>> = None;
         for a in 0..=n {
             for i in 0..3 {
-                set(&mut self.r, 3 * a + i, lane, position[i]);
+                set(&mut self.chain.start, 3 * a + i, lane, position[i]);
                 set(&mut self.nodes.v, 3 * a + i, lane, state.velocities[a][i]);
             }
             if a == n {

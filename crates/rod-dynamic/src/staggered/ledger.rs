@@ -171,7 +171,7 @@ impl<S: Simd> SimdBatch<S> {
         let (gravity, distributed, wind) = (field(0), field(1), field(2));
         let (across, excess) = (Lane::new(simd, self.fields[9]), Lane::new(simd, self.fields[10]));
         let mass = Lane::new(simd, self.chain.model.mass[a]);
-        let way = chain.vec(&chain.kept.r, a) - chain.vec(&self.r, a);
+        let way = chain.vec(&chain.kept.r, a) - chain.vec(&self.chain.start, a);
         let rates = self.nodes.rates(chain, stage, a);
         // Inertia and impulses.
         let jump = self.jump(a);

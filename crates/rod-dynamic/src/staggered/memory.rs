@@ -108,12 +108,12 @@ impl<S: Simd> SimdBatch<S> {
         let [a, b, c] = self.nodes.arrays();
         let [d, e, f] = self.directors.arrays();
         let [g, h, i] = self.joints.arrays();
-        let RotationChain { q, force, ends, .. } = &self.chain;
+        let RotationChain { start, q, force, ends, .. } = &self.chain;
         let flags =
             [&ends.root_free, &ends.root_joint, &ends.tip_held, &ends.tip_joint, &ends.inside];
         let [j, k, l, m, x] = flags.map(std::slice::from_ref);
-        let (r, phi) = (&self.r, &self.phi);
-        [a, b, c, d, e, f, g, h, i, j, k, l, m, x, r, phi, q, force, &ends.tip_reaction]
+        let phi = &self.phi;
+        [a, b, c, d, e, f, g, h, i, j, k, l, m, x, start, phi, q, force, &ends.tip_reaction]
     }
 
     /// Every array that a lane's future depends on, mutable, in the order of [`Self::arrays`].
@@ -121,11 +121,11 @@ impl<S: Simd> SimdBatch<S> {
         let [a, b, c] = self.nodes.arrays_mut();
         let [d, e, f] = self.directors.arrays_mut();
         let [g, h, i] = self.joints.arrays_mut();
-        let RotationChain { q, force, ends, .. } = &mut self.chain;
+        let RotationChain { start, q, force, ends, .. } = &mut self.chain;
         let Ends { root_free, root_joint, tip_held, tip_joint, tip_reaction, inside, .. } = ends;
         let flags = [root_free, root_joint, tip_held, tip_joint, inside];
         let [j, k, l, m, x] = flags.map(std::slice::from_mut);
-        let (r, phi) = (&mut self.r, &mut self.phi);
-        [a, b, c, d, e, f, g, h, i, j, k, l, m, x, r, phi, q, force, tip_reaction]
+        let phi = &mut self.phi;
+        [a, b, c, d, e, f, g, h, i, j, k, l, m, x, start, phi, q, force, tip_reaction]
     }
 }

@@ -55,7 +55,9 @@ impl<S: Simd> BatchReadout for SimdBatch<S> {
     }
 
     fn node_positions(&self, lane: usize, into: &mut Vec<Point3<f64>>) {
-        into.extend((0..=self.chain.n).map(|a| Point3::from(self.vector(&self.r, a, lane))));
+        into.extend(
+            (0..=self.chain.n).map(|a| Point3::from(self.vector(&self.chain.start, a, lane))),
+        );
     }
 
     fn node_values(&self, lane: usize, rod: &Rod, of: NodeQuantity, into: &mut Vec<f64>) {
@@ -94,7 +96,7 @@ impl<S: Simd> BatchReadout for SimdBatch<S> {
         let mut sum = Momentum::default();
         for a in 0..=n {
             let linear = at(&self.chain.model.mass, a, lane) * self.vector(&self.nodes.v, a, lane);
-            let angular = self.vector(&self.r, a, lane).cross(&linear);
+            let angular = self.vector(&self.chain.start, a, lane).cross(&linear);
             sum += Momentum { linear, angular };
         }
         for e in 0..n {
@@ -108,7 +110,7 @@ impl<S: Simd> BatchReadout for SimdBatch<S> {
     }
 
     fn node(&self, lane: usize, node: usize) -> (Point3<f64>, Vector3<f64>) {
-        (self.vector(&self.r, node, lane).into(), self.vector(&self.nodes.v, node, lane))
+        (self.vector(&self.chain.start, node, lane).into(), self.vector(&self.nodes.v, node, lane))
     }
 
     fn inside_nozzle(&self, lane: usize) -> f64 {
@@ -161,7 +163,7 @@ impl<S: Simd> SimdBatch<S> {
             let mass = chain.one(&model.mass, a);
             let v = chain.vec(&self.nodes.v, a);
             kinetic = (mass * half).mul_add(v.dot(v), kinetic);
-            gravitational = mass.mul_add(down.dot(chain.vec(&self.r, a)), gravitational);
+            gravitational = mass.mul_add(down.dot(chain.vec(&self.chain.start, a)), gravitational);
             if chain.laws.is_none() {
                 let joined = match a {
                     0 => Lane::new(chain.simd, chain.ends.root_joint),

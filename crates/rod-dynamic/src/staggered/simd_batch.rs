@@ -30,9 +30,6 @@ pub(super) struct SimdBatch<S: Simd> {
     pub(super) flight: Option<Scheme>,
     /// Kelvin-Voigt retardation time of each lane, s.
     pub(super) damping: S::f64s,
-    /// Positions of the nodes at the start of the step, m, world (3 per node). Rotations are in the
-    /// chain.
-    pub(super) r: Array<S>,
     /// Rotation vectors of the joints at the start of the step, rad (3 per joint).
     pub(super) phi: Array<S>,
     pub(super) nodes: KinematicHistory<S>,
@@ -100,7 +97,6 @@ impl<S: Simd> SimdBatch<S> {
             knows_accelerations: true,
             flight,
             damping: S::f64s::zeroed(),
-            r: zeros::<S>(3 * (n + 1)),
             phi: zeros::<S>(3 * (n + 1)),
             nodes: KinematicHistory::new(n + 1, memory),
             directors: KinematicHistory::new(2 * n, memory),
@@ -185,7 +181,7 @@ impl<S: Simd> SimdBatch<S> {
             let outside = self.chain.outside(a).unwrap_or(one);
             let drag = across * length * outside;
             let inertial = mass * stage.c1;
-            let (spring, pull) = self.spring(a, self.chain.vec(&self.r, a));
+            let (spring, pull) = self.spring(a, self.chain.vec(&self.chain.start, a));
             let mu = drag.mul_add(stage.cv, inertial) + spring;
             // Drag along the fibre is smaller than across it: the difference is taken from the
             // velocity at the start of the step, where it is stable for being the smaller part:
@@ -215,7 +211,6 @@ impl<S: Simd> SimdBatch<S> {
             self.chain.kept.w[a] = w.value;
             store(&mut self.chain.room.b, a, b);
         }
-        self.chain.room.start.copy_from_slice(&self.r);
         // Segments: torques of joints, and of impulses beside the axis, c1 dt a x P.
         let torques = self.moments.len().max(self.joint_moments.len());
         fit::<S>(&mut self.chain.room.torque, torques);
@@ -346,13 +341,13 @@ impl<S: Simd> SimdBatch<S> {
         // Nodes: velocity after the impulse, then rates and position at the end of the step.
         for a in 0..=n {
             let new = self.chain.vec(&self.chain.kept.r, a);
-            let old = self.chain.vec(&self.r, a);
+            let old = self.chain.vec(&self.chain.start, a);
             let v = self.chain.vec(&self.nodes.v, a);
             let after = done.positive().select(v + self.jump(a), v);
             store(&mut self.nodes.v, a, after);
             self.nodes.commit(&self.chain, stage, a, new - old, how);
             if stage.problem != StepProblem::Start {
-                store(&mut self.r, a, done.positive().select(new, old));
+                store(&mut self.chain.start, a, done.positive().select(new, old));
             }
         }
         // Directors d1 and d2, or d3 and spins.

@@ -36,7 +36,7 @@ impl<S: Simd> RotationChain<S> {
         let mut chord = zero;
         let known = |a: usize, chord: V3<S>| {
             let mu = self.one(&self.room.mu, a);
-            (self.vec(&self.room.b, a) - (chord - self.vec(&self.room.start, a)).scale(mu), mu)
+            (self.vec(&self.room.b, a) - (chord - self.vec(&self.start, a)).scale(mu), mu)
         };
         for a in 0..n {
             let (force, mu) = known(a, chord);

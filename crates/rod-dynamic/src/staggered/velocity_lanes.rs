@@ -113,7 +113,7 @@ impl<S: Simd> BatchVelocities for SimdBatch<S> {
         if node == n {
             added += self.vector(&kept.gap, 0, lane);
         }
-        self.vector(&kept.r, node, lane) - self.vector(&self.r, node, lane) + added
+        self.vector(&kept.r, node, lane) - self.vector(&self.chain.start, node, lane) + added
     }
 }
 
@@ -138,7 +138,7 @@ impl<S: Simd> SimdBatch<S> {
             fn one(&mut self, i: usize, rate: Lane<S>) {
                 let pack = self.pack;
                 let V3(read) = match self.quantity {
-                    Quantity::Start => pack.chain.vec(&pack.r, i),
+                    Quantity::Start => pack.chain.vec(&pack.chain.start, i),
                     Quantity::End => pack.chain.vec(&pack.chain.kept.r, i),
                     Quantity::Velocity(which) => pack.node_velocity(which, i, rate),
                     Quantity::Spin(which) => pack.segment_spin(which, i, rate),
@@ -176,7 +176,7 @@ impl<S: Simd> SimdBatch<S> {
         if which == StepVelocity::Start {
             return chain.vec(&self.nodes.v, a);
         }
-        let mut way = chain.vec(&chain.kept.r, a) - chain.vec(&self.r, a);
+        let mut way = chain.vec(&chain.kept.r, a) - chain.vec(&self.chain.start, a);
         if which == StepVelocity::Linear {
             // The forces beside the node move it by their change.
             let w = chain.one(&chain.kept.w, a);

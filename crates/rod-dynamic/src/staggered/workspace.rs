@@ -24,8 +24,6 @@ pub(super) struct BatchWorkspace<S: Simd> {
     pub(super) mu: Array<S>,
     /// Known forces on the nodes, N, world (3 per node).
     pub(super) b: Array<S>,
-    /// Positions of the nodes at the start of the step, m, world (3 per node).
-    pub(super) start: Array<S>,
     /// Torques on the segments by impulses beside the axis, N m, world (3 per segment); empty
     /// without.
     pub(super) torque: Array<S>,
@@ -110,7 +108,6 @@ impl<S: Simd> BatchWorkspace<S> {
             target: none(),
             mu: none(),
             b: none(),
-            start: none(),
             torque: none(),
             p: none(),
             spin: none(),
@@ -149,7 +146,6 @@ impl<S: Simd> BatchWorkspace<S> {
             (&mut self.target, 3),
             (&mut self.mu, 1),
             (&mut self.b, 3),
-            (&mut self.start, 3),
             (&mut self.phi, 3),
             (&mut self.values, 3),
             (&mut self.blocks, 6),
