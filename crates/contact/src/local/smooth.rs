@@ -8,9 +8,6 @@ use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 
 /// Steps after which the bracket is taken as it is; a dozen are usual.
 const MAX_STEPS: usize = 200;
-/// Steps of Newton's method that are smaller than this, relative to where they begin, leave an
-/// error of the order of their square, which is rounding.
-const LAST_STEP: f64 = 1e-9;
 
 /// Limit curve of a contact that slides, with how its friction is answered: what does not depend on
 /// its velocity.
@@ -89,11 +86,6 @@ impl SlidingCurve {
             let step = excess / slope;
             let smallest = 2.0 * f64::EPSILON * alpha;
             if excess == 0.0 || step.abs() <= smallest || high - low <= smallest {
-                break;
-            }
-            if step.abs() <= LAST_STEP * alpha {
-                // The way of the friction along the step, to first order.
-                point -= quarter.friction(&change) * step;
                 break;
             }
             if excess < 0.0 {

@@ -4,7 +4,7 @@ pub(crate) mod topology;
 
 use nalgebra::{Point3, Vector3};
 use rapunzel_collision::field::Soup;
-use rapunzel_sim::{Scene, StepReport, World};
+use rapunzel_sim::{Scene, SimError, StepReport, World};
 use std::fmt::Write;
 
 pub(crate) struct Run {
@@ -25,12 +25,17 @@ impl Run {
     /// A step whose contacts are all resolved, and that leaves fibres as long as they are. Of
     /// charged ones, which come to rest as curves, nodes are the ends of arcs.
     pub(crate) fn step(&mut self) -> StepReport {
-        let report = self.world.step(self.dt).expect("a step");
+        self.try_step().expect("a step")
+    }
+
+    /// The same where there may be no such step.
+    pub(crate) fn try_step(&mut self) -> Result<StepReport, SimError> {
+        let report = self.world.step(self.dt)?;
         assert_eq!(report.contact.unresolved, 0, "at {} s: {report:?}", self.world.time());
         if report.contact.parts > 0 {
             self.assert_lengths();
         }
-        report
+        Ok(report)
     }
 
     /// Nothing in the data of a fibre allows its segments another length: only the rounding of
