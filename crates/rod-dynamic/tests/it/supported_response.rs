@@ -5,8 +5,7 @@ use crate::supported_ends::{LENGTH, rod, support, weightless};
 use Restraint::{Free, Held, Sprung};
 use nalgebra::{DMatrix, Matrix3, SymmetricEigen, UnitQuaternion, Vector3};
 use rapunzel_rod_dynamic::{
-    End, ImpulseResponse, Impulses, Instant, Load, Point, Restraint, RodStepReport, StaggeredBatch,
-    Steady,
+    End, ImpulseResponse, Impulses, Instant, Load, Restraint, RodStepReport, StaggeredBatch, Steady,
 };
 
 /// The answer to impulses is symmetric, semidefinite, has the diagonal blocks of its columns, also
@@ -31,8 +30,7 @@ fn supported_ends_answer_impulses() {
     let mut start = Vec::new();
     batch.save(&mut start);
     set_out_and_solve(&mut batch, dt, &[&conditions], Impulses::NONE).expect("a step");
-    let points: Vec<Point> =
-        (0..12).map(|e| Point::on_axis(0, e, 0.0)).chain([Point::on_axis(0, 11, 1.0)]).collect();
+    let points = node_points(1, NODES - 1);
     let matrix = |batch: &mut StaggeredBatch, weighted: bool| -> DMatrix<f64> {
         response_matrix(NODES, |impulses, velocities| {
             let answered = if weighted {
@@ -68,8 +66,7 @@ fn supported_ends_answer_impulses() {
             batch.restore(&start).expect("own numbers");
             let mut impulses = vec![Vector3::zeros(); NODES];
             impulses[node] = sign * size * Vector3::new(0.6, 0.5, -0.4);
-            let nodes = node_points(1, NODES - 1);
-            let all = Impulses { points: &nodes, impulses: &impulses };
+            let all = Impulses { points: &points, impulses: &impulses };
             set_out_and_solve(&mut batch, dt, &[&conditions], all).expect("a step");
             batch.accept();
             *moved = batch.state(0).positions;
